@@ -13,7 +13,7 @@ use halfdome_kernel::{Bvh, Error, Quality, Ray, Triangle};
 /// What an engine keeps: it borrows nothing, and may be a resource of any thread.
 struct World {
     scene: Scene<'static>,
-    /// What is in the scene, and its number.
+    /// The handles of what is in the scene, and the index of each.
     objects: Vec<(Handle, usize)>,
     ball: Arc<Bvh>,
     side: usize,

@@ -106,9 +106,9 @@ pub enum WorldError {
         "instance {number}, of object {object}: {error}\n  help: give it a transform that keeps its extent; a scale of 0 hides it"
     )]
     Instance {
-        /// Its number in [`Scene::instances`].
+        /// Its index in [`Scene::instances`].
         number: usize,
-        /// Its object's number.
+        /// Its object's index.
         object: usize,
         /// The error of the transform.
         error: Error,

@@ -95,7 +95,7 @@ fn files(extras: &str) -> Option<Vec<Option<String>>> {
     Some(files.map(|file| file.as_str().map(str::to_owned)).collect())
 }
 
-/// The glTF file that a mesh is of, and the number of its primitive: Bevy labels meshes `Mesh3/Primitive1`.
+/// The glTF file that a mesh is of, and the index of its primitive: Bevy labels meshes `Mesh3/Primitive1`.
 fn place(mesh: &Mesh3d) -> Option<(AssetPath<'static>, usize)> {
     let path = mesh.0.path()?;
     let (_, primitive) = path.label()?.rsplit_once("Primitive")?;

@@ -15,7 +15,7 @@ use crate::status::{Failure, guard, hd_status};
 pub struct hd_handle {
     /// The item's index: the item field of its hits.
     pub index: u32,
-    /// How many items had this number before.
+    /// How many items had this index before.
     pub generation: u32,
 }
 
@@ -57,7 +57,7 @@ fn named(scene: &Scene, hd_handle { index, generation }: hd_handle) -> Result<Ha
     Ok(known.ok_or(halfdome_kernel::Error::from(InvalidScene::NoSuchItem { index, generation }))?)
 }
 
-/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their number, and 0.
+/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their index, and generation 0.
 ///
 /// This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is in
 /// keep it as it was until hd_scene_set_item puts it there again; it is then copied first.

@@ -307,7 +307,7 @@ unsafe fn write_closest<H: Pod, K: Pod>((at, found): (Vec3, K), closest: *mut f3
 }
 
 /// Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each, and
-/// writes as many of their numbers as prim_ids has room for, in an order that is the tree's own. *count is the number of all of
+/// writes as many of their indices as prim_ids has room for, in an order that is the tree's own. *count is the number of all of
 /// them, which may be more than capacity. Touching counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_overlaps(

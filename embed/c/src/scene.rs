@@ -71,11 +71,11 @@ pub struct hd_scene_ray {
 pub struct hd_scene_hit {
     /// Where, and which triangle of its mesh. t is the same in all spaces.
     pub hit: hd_hit,
-    /// The item that has the mesh: its number in the scene that has the item.
+    /// The item that has the mesh: its index in the scene that has the item.
     pub item: u32,
-    /// How many items that are scenes the ray went through on its way there.
+    /// How many nested scenes enclose the item.
     pub depth: u32,
-    /// The number of that way among all in the scene; hd_scene_instances lists the items.
+    /// The index of the path of nested scenes to the item among all paths; hd_scene_instances lists the items on it.
     pub path: u64,
 }
 
@@ -250,7 +250,7 @@ pub unsafe extern "C" fn hd_scene_occluded_many(
     unsafe { any(scene, ["rays", "occluded"], rays, occluded, count) }
 }
 
-/// Writes the items that are scenes on the way to a hit of this scene, the outermost first: their numbers, each in the scene
+/// Writes the items that are scenes on the path to a hit of this scene, the outermost first: their indices, each in the scene
 /// that has it, as many as hit->depth says. instances has room for capacity of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_instances(

@@ -48,7 +48,7 @@ impl Failure {
         Self { status, message: message.into() }
     }
 
-    /// The same, with what is wrong of several: "item", and its number.
+    /// The same, with what is wrong of several: "item", and its index.
     pub(crate) fn of(self, what: &str, number: usize) -> Self {
         Self { message: format!("{what} {number}: {}", self.message), ..self }
     }

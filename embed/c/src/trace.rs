@@ -34,7 +34,7 @@ pub struct hd_hit {
     pub u: f32,
     /// Weight of the triangle's third corner.
     pub v: f32,
-    /// The triangle's number in its mesh; HD_NO_PRIM if nothing was hit.
+    /// The triangle's index in its mesh; HD_NO_PRIM if nothing was hit.
     pub prim_id: u32,
 }
 

@@ -110,7 +110,7 @@ impl Report {
     }
 }
 
-/// The triangles by their numbers, out of the tree's blocks.
+/// The triangles by their indices, out of the tree's blocks.
 fn triangles(tree: &BvhView) -> [Triangle; TRIANGLES] {
     let mut triangles = [[Vec3::ZERO; 3]; TRIANGLES];
     for block in tree.blocks() {

@@ -103,7 +103,7 @@ impl BoxTree {
         self.bounds = self.nodes.chunks(count).fold(Aabb::EMPTY, |sum, nodes| sum.union(&nodes[0].bounds()));
     }
 
-    /// Memory of nodes and numbers in bytes.
+    /// Memory of nodes and indices in bytes.
     pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.items[..])
     }

@@ -41,7 +41,7 @@ pub struct BuildReport {
     /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one less
     /// than zero, discs without a normal, empty boxes.
     pub degenerate: usize,
-    /// Primitives with a number that is NaN or infinite.
+    /// Primitives with a coordinate or radius that is NaN or infinite.
     pub not_finite: usize,
     /// Primitives that reach beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,

@@ -28,7 +28,7 @@ pub(crate) struct SetupLanes<const N: usize, L: Lanes<N>> {
 }
 
 impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
-    /// From the rays' numbers in the order of [`Ray`](super::Ray).
+    /// From the rays' fields in the order of [`Ray`](super::Ray).
     #[inline(always)]
     pub(crate) fn new(rays: [L; 8], scene: &Aabb) -> Self {
         Self::within(rays, &BoxLanes::splat(scene))

@@ -11,10 +11,10 @@
 //! | 32 | parts of the blocks of points and curves: 5 for one of spheres, 8 of discs, 9 of linear and 17 of cubic curves |
 //! | 64 | transforms: four columns of three numbers and a zero |
 //! | 24 | meshes: which nodes and blocks, or parts of blocks; how many keys, 0 of one that cannot move; what of: 0 triangles, 1 spheres, 2 discs, 3 linear curves, 4 cubic curves |
-//! | 32 | scenes: which items, parts, numbers in leaves and nodes; the last scene is the outermost |
+//! | 32 | scenes: which items, parts, indices in leaves and nodes; the last scene is the outermost |
 //! | 20 | items: what kind (0 nothing, 1 a mesh, 2 a scene), which, mask, which transforms |
 //! | 8 | parts ([`Part`]) |
-//! | 4 | numbers in the leaves of the scenes' trees |
+//! | 4 | indices of parts in the leaves of the scenes' trees |
 //!
 //! and zeros up to a multiple of 64. A scene's items are meshes or earlier scenes, so no scene contains itself. The
 //! header:
@@ -111,7 +111,7 @@ pub struct SceneBlob<'a> {
     scenes: &'a [SceneRecord],
     items: &'a [ItemRecord],
     parts: &'a [Part],
-    numbers: &'a [u32],
+    indices: &'a [u32],
     #[cfg(any(feature = "alloc", test))]
     quality: u16,
 }
@@ -170,7 +170,7 @@ impl<'a> SceneBlob<'a> {
             scenes: section(&mut rest, header.scenes)?,
             items: section(&mut rest, header.items)?,
             parts: section(&mut rest, header.parts)?,
-            numbers: section(&mut rest, header.numbers)?,
+            indices: section(&mut rest, header.indices)?,
             #[cfg(any(feature = "alloc", test))]
             quality: header.quality,
         };
@@ -196,13 +196,13 @@ impl<'a> SceneBlob<'a> {
                 Parts::Round(nodes, blocks) => RoundBvhView::new(nodes, blocks).map(|_| ())?,
             }
         }
-        let (mut item, mut part, mut number, mut scene_node) = (0, 0, 0, 0);
+        let (mut item, mut part, mut leaf_index, mut scene_node) = (0, 0, 0, 0);
         let mut transform = 0;
         for (scene, record) in self.scenes.iter().enumerate() {
             let bad = InvalidScene::BadRecord { record: "scene", index: scene };
             follow(&mut item, record.first_item, record.items, bad)?;
             follow(&mut part, record.first_part, record.parts, bad)?;
-            follow(&mut number, record.first_number, record.numbers, bad)?;
+            follow(&mut leaf_index, record.first_index, record.indices, bad)?;
             follow(&mut scene_node, record.first_node, record.nodes, bad)?;
             let items = self.items.get(range(record.first_item, record.items)).ok_or(bad)?;
             for (index, item) in (record.first_item as usize..).zip(items) {
@@ -227,7 +227,7 @@ impl<'a> SceneBlob<'a> {
             (transform, self.transforms.len()),
             (item, self.items.len()),
             (part, self.parts.len()),
-            (number, self.numbers.len()),
+            (leaf_index, self.indices.len()),
         ];
         if ends.iter().any(|&(end, len)| end != len as u64) {
             return Err(Error::BadHeader { field: "table of counts" });
@@ -279,8 +279,8 @@ impl<'a> SceneBlob<'a> {
                 keys => item.moving(keys)?,
             };
         }
-        let (parts, nodes, numbers) = self.tree_of(record);
-        SceneView::new(items, parts, nodes, numbers)
+        let (parts, nodes, indices) = self.tree_of(record);
+        SceneView::new(items, parts, nodes, indices)
     }
 
     /// The items of a scene.
@@ -293,12 +293,12 @@ impl<'a> SceneBlob<'a> {
         self.transforms.get(range(item.first_transform, item.transforms)).unwrap_or(&[])
     }
 
-    /// The parts, nodes and numbers of a scene.
+    /// The parts, nodes and indices of a scene.
     fn tree_of(&self, scene: &SceneRecord) -> (&'a [Part], &'a [Node], &'a [u32]) {
         (
             self.parts.get(range(scene.first_part, scene.parts)).unwrap_or(&[]),
             self.scene_nodes.get(range(scene.first_node, scene.nodes)).unwrap_or(&[]),
-            self.numbers.get(range(scene.first_number, scene.numbers)).unwrap_or(&[]),
+            self.indices.get(range(scene.first_index, scene.indices)).unwrap_or(&[]),
         )
     }
 

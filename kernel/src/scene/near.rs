@@ -148,9 +148,9 @@ impl<Q: Proximity> Visit<'_, Q> {
         let Some(moment) = Moment::new(self.time, tree.keys()) else { return ControlFlow::Continue(()) };
         let path = first_path + (scene.paths() - 1);
         let mut walk = Walk::new([tree.nodes(moment.key), tree.nodes(next(moment))], moment.fraction, *space);
-        while let Some(numbers) = walk.next(self.search) {
-            for &number in tree.items().get(numbers).unwrap_or(&[]) {
-                let Some(part) = scene.parts().get(number as usize) else { continue };
+        while let Some(contents) = walk.next(self.search) {
+            for &index in tree.items().get(contents).unwrap_or(&[]) {
+                let Some(part) = scene.parts().get(index as usize) else { continue };
                 let Some(item) = scene.items().get(part.item as usize).filter(|item| item.mask & self.mask != 0) else {
                     continue;
                 };
@@ -178,8 +178,8 @@ impl<Q: Proximity> Visit<'_, Q> {
             }
             Target::Round(tree) => {
                 let mut walk = Walk::new([tree.nodes(); 2], 0.0, *space);
-                while let Some(numbers) = walk.next(self.search) {
-                    round::meet(&tree, numbers, space, self.search, place)?;
+                while let Some(contents) = walk.next(self.search) {
+                    round::meet(&tree, contents, space, self.search, place)?;
                 }
                 ControlFlow::Continue(())
             }
@@ -190,8 +190,8 @@ impl<Q: Proximity> Visit<'_, Q> {
 
     /// Tests the triangles that a walk reaches.
     fn triangles(&mut self, mut walk: Walk, blocks: [&[TriangleBlock]; 2], place: SceneHit) -> ControlFlow<()> {
-        while let Some(numbers) = walk.next(self.search) {
-            let [from, to] = blocks.map(|blocks| blocks.get(numbers.clone()).unwrap_or(&[]));
+        while let Some(contents) = walk.next(self.search) {
+            let [from, to] = blocks.map(|blocks| blocks.get(contents.clone()).unwrap_or(&[]));
             for (from, to) in from.iter().zip(to) {
                 for (lane, prim_id) in from.used_lanes() {
                     let corners = between(&from.triangle(lane), &to.triangle(lane), walk.fraction);

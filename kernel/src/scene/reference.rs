@@ -53,8 +53,8 @@ fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see:
     if !can_hit(&ray) || time.is_nan() {
         return;
     }
-    for &number in scene.tree().items() {
-        let part = scene.parts()[number as usize];
+    for &index in scene.tree().items() {
+        let part = scene.parts()[index as usize];
         let item = &scene.items()[part.item as usize];
         if item.mask & mask == 0 {
             continue;
@@ -104,8 +104,8 @@ pub(super) fn search(
     (first_path, depth): (u64, u32),
     search: &mut dyn Proximity,
 ) -> ControlFlow<()> {
-    for &number in scene.tree().items() {
-        let part = scene.parts()[number as usize];
+    for &index in scene.tree().items() {
+        let part = scene.parts()[index as usize];
         let item = &scene.items()[part.item as usize];
         if item.mask & mask == 0 {
             continue;

@@ -59,13 +59,13 @@ pub(super) fn for_each_hit(tree: &RoundBvhView, ray: &Ray, see: &mut dyn FnMut(H
 /// Shows a search in a space the boxes of the primitives in some blocks.
 pub(super) fn meet(
     tree: &RoundBvhView,
-    numbers: Range<usize>,
+    blocks: Range<usize>,
     space: &Space,
     search: &mut dyn Proximity,
     place: SceneHit,
 ) -> ControlFlow<()> {
     with_blocks!(tree.blocks(), slice => {
-        for block in slice.get(numbers).unwrap_or(&[]) {
+        for block in slice.get(blocks).unwrap_or(&[]) {
             for (lane, prim_id) in used_lanes(block) {
                 let hit = Hit { prim_id, ..place.hit };
                 search.meet_box(&space.aabb(&block.primitive(lane).bounds()), SceneHit { hit, ..place })?;

@@ -115,7 +115,7 @@ impl SceneSummary {
 }
 
 impl<'a> SceneView<'a> {
-    /// Borrows a scene whose tree is `nodes` and `numbers`, as in [`BoxTreeView::new`]; the numbers name `parts`. The tree has
+    /// Borrows a scene whose tree is `nodes` and `indices`, as in [`BoxTreeView::new`]; these are indices of `parts`. The tree has
     /// as many keys as the item that has most. The items' paths are numbered.
     ///
     /// # Errors
@@ -124,20 +124,20 @@ impl<'a> SceneView<'a> {
         items: &'a mut [Item<'b>],
         parts: &'a [Part],
         nodes: &'a [Node],
-        numbers: &'a [u32],
+        indices: &'a [u32],
     ) -> Result<Self, Error> {
         let summary = SceneSummary::of(items)?;
         let items: &'a [Item<'a>] = items;
         let with = |widening: Widening| {
             let bounds = Cell::new(Aabb::EMPTY);
-            let aabb = |key: usize, number: u32| {
-                let part = parts.get(number as usize)?;
+            let aabb = |key: usize, index: u32| {
+                let part = parts.get(index as usize)?;
                 let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
                 let aabb = item.aabb(part.prim_id, key, summary.keys);
                 bounds.set(bounds.get().union(&aabb));
                 Some(if widening.is_by_rays() { aabb } else { widening.in_tree(aabb, item.error()) })
             };
-            let tree = BoxTreeView::new(nodes, numbers, summary.keys, aabb)?;
+            let tree = BoxTreeView::new(nodes, indices, summary.keys, aabb)?;
             let bounds = if widening.is_by_rays() { tree.bounds() } else { bounds.get() };
             Ok(Self { items, parts, tree, summary: SceneSummary { widening, ..summary }, bounds, isa: Isa::detect() })
         };
@@ -197,8 +197,8 @@ impl<'a> SceneView<'a> {
 
     /// The entry with the box of this index in the tree, and its item.
     #[inline(always)]
-    pub(super) fn item_of(&self, number: u32) -> Option<(&'a Part, &'a Item<'a>)> {
-        let part = self.parts.get(number as usize)?;
+    pub(super) fn item_of(&self, index: u32) -> Option<(&'a Part, &'a Item<'a>)> {
+        let part = self.parts.get(index as usize)?;
         Some((part, self.items.get(part.item as usize)?))
     }
 

@@ -167,19 +167,19 @@ impl BvhView<'_> {
     }
 }
 
-/// Writes the hit of the ray of a number.
+/// Writes the hit of the ray of an index.
 fn write_hits(hits: &mut [Hit]) -> impl FnMut(usize, Hit) {
-    |number, hit| {
-        if let Some(place) = hits.get_mut(number) {
+    |ray, hit| {
+        if let Some(place) = hits.get_mut(ray) {
             *place = hit;
         }
     }
 }
 
-/// Writes whether the ray of a number has a hit.
+/// Writes whether the ray of an index has a hit.
 fn write_occluded(occluded: &mut [bool]) -> impl FnMut(usize, Hit) {
-    |number, hit| {
-        if let Some(place) = occluded.get_mut(number) {
+    |ray, hit| {
+        if let Some(place) = occluded.get_mut(ray) {
             *place = hit.is_hit();
         }
     }
@@ -219,7 +219,7 @@ impl<const ANY: bool> Work for One<'_, ANY> {
     }
 }
 
-/// The ways to trace a slice of rays, each compiled apart, so that its stack frame is its own.
+/// The methods of tracing a slice of rays, each compiled apart, so that its stack frame is its own.
 macro_rules! slices {
     ($($name:ident: $($trace:ident)::+),*) => {$(
         struct $name<'a, const ANY: bool, F> {
@@ -242,7 +242,7 @@ slices!(Few: one_by_one, LeafQueues: leaf_queues::trace, Packets: packet::gather
 
 #[inline(always)]
 fn one_by_one<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
-    for (number, ray) in rays.iter().enumerate() {
-        write(number, single::trace::<ANY, S>(tree, ray).unwrap_or(Hit::MISS));
+    for (index, ray) in rays.iter().enumerate() {
+        write(index, single::trace::<ANY, S>(tree, ray).unwrap_or(Hit::MISS));
     }
 }

@@ -137,7 +137,7 @@ pub fn bake(
     let (cache, usage) = light.cache.unzip();
     let errors = errors(world, &page_texels, &lit, cache.as_ref(), &layers[0]);
     let usage = usage.unwrap_or_default();
-    // A record's key is the number of its texel.
+    // A record's key is the index of its texel.
     let place = |record: &Record| {
         let texel = &lit[record.key as usize];
         let size = atlas.pages[texel.page as usize];

@@ -20,7 +20,7 @@ impl Cube {
         Self { width: f64::from(width) / Face::ALL.len() as f64, height: height.into() }
     }
 
-    /// The number of the face that a pixel belongs to. Filters reach beyond a face's border, but not into the next face.
+    /// The index of the face that a pixel belongs to. Filters reach beyond a face's border, but not into the next face.
     fn face(&self, film: &FilmPoint) -> usize {
         ((f64::from(film.pixel.0) + 0.5) / self.width) as usize
     }

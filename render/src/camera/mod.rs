@@ -48,7 +48,7 @@ enum Kind {
 /// of a cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FilmPoint {
-    /// Numbers from the left and from the top.
+    /// Column from the left, row from the top.
     pub pixel: (u32, u32),
     /// In pixels from the top left corner.
     pub point: Vec2,

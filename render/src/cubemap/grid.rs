@@ -78,7 +78,7 @@ impl TexelGrid {
         6 * (self.size as usize).pow(2)
     }
 
-    /// Face, column and row of all texels, in the order of their numbers: by faces, then by rows.
+    /// Face, column and row of all texels, in the order of their indices: by faces, then by rows.
     pub(super) fn places(&self) -> impl Iterator<Item = (Face, u32, u32)> + use<> {
         let size = self.size;
         Face::ALL.into_iter().flat_map(move |face| (0..size).flat_map(move |y| (0..size).map(move |x| (face, x, y))))

@@ -44,7 +44,7 @@ pub struct Step {
 }
 
 impl TileWorker {
-    /// Every tile of the picture that `world`'s camera sees whose number leaves `number` when divided by `count`, the
+    /// Every tile of the picture that `world`'s camera sees whose index leaves the remainder `number` when divided by `count`, the
     /// number of workers, more than 0. The integrator `cached` reads `cache`, to which nothing is added
     /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced. Paths are
     /// not guided.

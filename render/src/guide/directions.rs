@@ -45,7 +45,7 @@ struct Node {
 }
 
 impl DirectionTrees {
-    /// Adds the tree of these bounces, of which one has found light at least; gives its number. They are put into another
+    /// Adds the tree of these bounces, of which one has found light at least; gives its index. They are put into another
     /// order.
     pub(super) fn add(&mut self, samples: &mut [Weighted]) -> u32 {
         let total = samples.iter().map(|(_, light)| light).sum();
@@ -126,7 +126,7 @@ impl DirectionTrees {
         }
     }
 
-    /// Adds other trees; gives what is added to their numbers.
+    /// Adds other trees; gives what is added to their indices.
     pub(super) fn append(&mut self, other: Self) -> u32 {
         let offset = self.nodes.len() as u32;
         self.nodes.extend(other.nodes.into_iter().map(|node| {

@@ -42,7 +42,7 @@ struct Places<'a> {
     on: Vec<Option<(&'a Pattern, u32)>>,
 }
 
-/// The events that can happen in a scene, each once, by their numbers.
+/// The events that can happen in a scene, each once, by their indices.
 #[derive(Debug)]
 pub(crate) struct Alphabet {
     /// The labels that are distinguished; `None` for all.
@@ -67,14 +67,14 @@ impl Alphabet {
         Self { named: None, numbers: BTreeMap::new() }
     }
 
-    /// Its events in the order of their numbers.
+    /// Its events in the order of their indices.
     pub(crate) fn into_events(self) -> Vec<Event> {
         let mut events: Vec<(u32, Event)> = self.numbers.into_iter().map(|(event, number)| (number, event)).collect();
         events.sort_unstable_by_key(|&(number, _)| number);
         events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// The number of an event; events that no expression distinguishes share one.
+    /// The index of an event; events that no expression distinguishes share one.
     pub(crate) fn number(&mut self, kind: Kind, scattering: Scattering, labels: [&str; 2]) -> u32 {
         let is_known = |label: &str| self.named.as_ref().is_none_or(|named| named.iter().any(|it| it == label));
         let known = |label: &str| if is_known(label) { label } else { OTHER }.to_owned();

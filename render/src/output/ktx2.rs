@@ -50,7 +50,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Texels in the mip level of this number.
+    /// Texels in this mip level.
     fn texels(self, level: u32) -> u64 {
         let side = |side: u32| u64::from((side >> level).max(1));
         match self {

@@ -118,7 +118,7 @@ impl World {
         occluded[0]
     }
 
-    /// The number of a triangle among those of its mesh.
+    /// The index of a triangle among those of its mesh.
     pub(super) fn index_in_mesh(&self, prim_id: u32) -> usize {
         (prim_id - self.first_faces[self.triangle_records[prim_id as usize].mesh as usize]) as usize
     }

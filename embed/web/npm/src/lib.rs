@@ -29,7 +29,7 @@ struct State {
     rays: Vec<Ray>,
     /// Coordinates, and how far to look.
     points: Vec<[f32; 4]>,
-    /// By their numbers, which are used again.
+    /// By their indices, which are used again.
     meshes: Vec<Option<Tree>>,
     /// Numbers that no mesh has.
     free: Vec<usize>,
@@ -37,7 +37,7 @@ struct State {
 }
 
 impl State {
-    /// Adds a mesh: its number.
+    /// Adds a mesh: its index.
     fn add(&mut self, tree: Tree) -> i32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.meshes.push(None);
@@ -124,8 +124,8 @@ pub extern "C" fn simd() -> u32 {
     cfg!(target_feature = "simd128").into()
 }
 
-/// Builds a tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, if it was given any, the
-/// indices, which it forgets. Gives the mesh's number, or -1 if it refuses them.
+/// Builds a tree with this quality (0 fast, 1 medium, 2 high) from the positions and, if it was given any, the
+/// indices, which it forgets. Gives the mesh's index, or -1 if it refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_mesh(quality: usize) -> i32 {
     STATE
@@ -152,7 +152,7 @@ pub extern "C" fn refit(number: usize) -> f32 {
         .unwrap_or(-1.0)
 }
 
-/// Frees a mesh, whose number the next one gets; a scene's items that have it keep it. 0, or -1 if there is no such.
+/// Frees a mesh, whose index the next one gets; a scene's items that have it keep it. 0, or -1 if there is no such.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn free_mesh(mesh: usize) -> i32 {
     STATE.with_borrow_mut(|state| match state.meshes.get_mut(mesh).and_then(Option::take) {

@@ -25,7 +25,7 @@ struct Stage {
     /// The triangles of the next mesh that changes its shape, at its keys.
     keys: Vec<Vec<Triangle>>,
     scene: Scene<'static>,
-    /// The mesh of each item, by its number.
+    /// The mesh of each item, by its index.
     meshes: Vec<usize>,
 }
 
@@ -78,7 +78,7 @@ pub extern "C" fn add_moving_mesh(quality: usize) -> i32 {
     .unwrap_or(-1)
 }
 
-/// Builds a tree over points or curves of the kind with this number (0 spheres, 1 discs, 2 linear curves, 3 cubic curves), whose
+/// Builds a tree over points or curves of this kind (0 spheres, 1 discs, 2 linear curves, 3 cubic curves), whose
 /// numbers are the positions, which it forgets. The number of what it adds, or -1 if it refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_round(kind: usize, quality: usize) -> i32 {
@@ -104,7 +104,7 @@ fn round<P: RoundBuild>(numbers: &[f32], options: &BuildOptions) -> Option<Tree>
     Some(Tree::Round(Arc::new(bvh), report.kept))
 }
 
-/// Adds an item where the matrices take a mesh: its number; -1 if there is no such mesh, or there are too many items; and less if a matrix is refused, see
+/// Adds an item where the matrices take a mesh: its index; -1 if there is no such mesh, or there are too many items; and less if a matrix is refused, see
 /// [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn insert(mesh: usize, mask: u32) -> i32 {
@@ -288,7 +288,7 @@ fn with_both<T>(work: impl FnOnce(&mut Stage, &mut State) -> T) -> T {
     STAGE.with_borrow_mut(|stage| STATE.with_borrow_mut(|state| work(stage, state)))
 }
 
-/// Changes the item of this number.
+/// Changes the item of this index.
 fn change(item: u32, work: impl FnOnce(&mut Stage, Handle) -> Option<()>) -> i32 {
     let done = STAGE.with_borrow_mut(|stage| {
         let handle = stage.scene.handle(item)?;

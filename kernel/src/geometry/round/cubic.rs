@@ -216,7 +216,7 @@ impl Pieces {
         if self.halvings == 0 {
             return see(0.0, 1.0);
         }
-        // Of each step the parts that are left to visit, and the number of the first.
+        // Of each step the parts still to visit, and the index of the first.
         let (mut left, mut first) = ([0u8; PARTS], [0u32; PARTS]);
         const { assert!(MAX_STEPS <= PARTS) }
         let mut step = 0;
@@ -252,7 +252,7 @@ impl Pieces {
         ((step + 1) * PARTS_HALVINGS).min(self.halvings)
     }
 
-    /// Those of a step's parts that may meet the z axis, a bit each, from the part of this number on.
+    /// Those of a step's parts that may meet the z axis, a bit each, from the part of this index on.
     #[inline(always)]
     fn parts_near(&self, first: u32, step: u32) -> u8 {
         let halvings = self.halvings_after(step);

@@ -110,9 +110,9 @@ impl<'a, A: Answers> SceneStream<'a, A> {
             } else {
                 self.stream.start_eight::<false, S>(&setups, self.rays.len(), root, &self.trees)
             };
-            for (number, place) in (first..).zip(places_of(places)) {
-                let SceneRay { ray, time, .. } = &self.rays[number];
-                self.answers.begin(number, ray.t_max);
+            for (index, place) in (first..).zip(places_of(places)) {
+                let SceneRay { ray, time, .. } = &self.rays[index];
+                self.answers.begin(index, ray.t_max);
                 self.trees.enter_scene(place, *time);
             }
         }
@@ -169,13 +169,13 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn leave<S: Simd>(&mut self, places: u64) {
         for place in places_of(places) {
-            let ActiveRay { best, number, .. } = self.stream.active[place % ACTIVE];
-            if self.answers.leave(number, best, &self.common_of(place)) {
+            let ActiveRay { best, index, .. } = self.stream.active[place % ACTIVE];
+            if self.answers.leave(index, best, &self.common_of(place)) {
                 self.end(1 << place);
                 continue;
             }
             let SceneRay { ray, time, .. } = self.ray(place);
-            let t_max = self.answers.search(number, ray.t_max).t_max();
+            let t_max = self.answers.search(index, ray.t_max).t_max();
             self.stream.active[place % ACTIVE].best = Hit::none_before(t_max);
             self.trees.enter_scene(place, *time);
             self.turned |= 1 << place;
@@ -187,13 +187,13 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn finish(&mut self, crowded: u64) {
         for place in places_of(crowded) {
-            let ActiveRay { best, number, .. } = self.stream.active[place % ACTIVE];
+            let ActiveRay { best, index, .. } = self.stream.active[place % ACTIVE];
             let is_inside = self.trees.inside >> place & 1 != 0;
-            if !(is_inside && self.answers.leave(number, best, &self.common_of(place))) {
+            if !(is_inside && self.answers.leave(index, best, &self.common_of(place))) {
                 let ray = *self.ray(place);
-                let mut search = self.answers.search(number, ray.ray.t_max);
+                let mut search = self.answers.search(index, ray.ray.t_max);
                 dispatch(self.scene.isa(), Trace { scene: self.scene, ray: &ray, search: &mut search });
-                self.answers.advance(number, search);
+                self.answers.advance(index, search);
             }
             self.end(1 << place);
         }
@@ -203,7 +203,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn end(&mut self, places: u64) {
         for place in places_of(places) {
-            self.answers.end(self.stream.active[place % ACTIVE].number);
+            self.answers.end(self.stream.active[place % ACTIVE].index);
         }
         self.stream.busy &= !places;
         self.turned &= !places;
@@ -228,7 +228,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn ray(&self, place: usize) -> &'a SceneRay {
         const NOWHERE: &SceneRay = &SceneRay { ray: NO_RAY, time: f32::NAN, mask: 0 };
-        self.rays.get(self.stream.active[place % ACTIVE].number).unwrap_or(NOWHERE)
+        self.rays.get(self.stream.active[place % ACTIVE].index).unwrap_or(NOWHERE)
     }
 
     /// What hits in the item that the ray at a place is in have in common.

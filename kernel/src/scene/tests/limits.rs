@@ -147,11 +147,11 @@ fn paths_are_told_apart_among_items_of_all_kinds() {
     let branch = branch.view();
     let root = scene(vec![leaf, at(40.0, &mesh), empty, Item::new(&branch), at(44.0, &mesh)]);
     let root = root.view();
-    let ways: [(f32, &[u32]); 7] =
+    let paths: [(f32, &[u32]); 7] =
         [(0.0, &[0]), (4.0, &[0]), (40.0, &[]), (8.0, &[3]), (12.0, &[3, 2]), (16.0, &[3, 2]), (44.0, &[])];
-    for (x, way) in ways {
+    for (x, path) in paths {
         let found = root.intersect(&SceneRay::new(Ray::new(vec3(x, 0.0, 1.0), Vec3::NEG_Z))).unwrap();
-        assert_eq!((&instances(&root, &found)[..], found.depth as usize), (way, way.len()), "{x}");
+        assert_eq!((&instances(&root, &found)[..], found.depth as usize), (path, path.len()), "{x}");
     }
 }
 

@@ -43,7 +43,7 @@ fn bits(hit: Option<SceneHit>) -> Option<[u32; 8]> {
     hit.map(bytemuck::cast)
 }
 
-/// The indices of the items on the way to a hit.
+/// The indices of the items on the path to a hit.
 fn instances(scene: &SceneView, hit: &SceneHit) -> Vec<u32> {
     scene.instances(hit).map(|(index, _)| index).collect()
 }

@@ -34,7 +34,7 @@ pub(crate) struct ActiveRay {
     pub(super) corners: [u8; 3],
     height: u8,
     /// Of the ray in its batch.
-    pub(crate) number: usize,
+    pub(crate) index: usize,
     children: Entries<u32>,
     near: Entries<f32>,
 }
@@ -57,7 +57,7 @@ impl ActiveRay {
         line: [0.0; 8],
         corners: [0; 3],
         height: 0,
-        number: 0,
+        index: 0,
         children: Entries([0; ROOM]),
         near: Entries([0.0; ROOM]),
     };
@@ -69,13 +69,13 @@ impl ActiveRay {
         &mut self,
         setups: &SetupRows,
         lane: usize,
-        number: usize,
+        index: usize,
         root: &Node,
         (near, far): (S::F8, S::F8),
     ) -> u32 {
         self.set_up(setups, lane, ANY);
         self.best = Hit::none_before(self.slabs[7]);
-        self.number = number;
+        self.index = index;
         (self.children.0[0], self.near.0[0]) = (NONE, f32::NEG_INFINITY);
         self.height = 1;
         let _ = self.push_children::<S>(root, near, far, root.order[usize::from(self.octant & 7)]);

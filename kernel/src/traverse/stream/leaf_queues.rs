@@ -31,7 +31,7 @@ pub(in crate::traverse) fn suit(tree: &BvhView) -> bool {
     tree.nodes().len() == 1 && tree.blocks().len() <= MAX_BLOCKS
 }
 
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
 /// has a single node.
 #[inline(always)]
 pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
@@ -56,7 +56,7 @@ pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
         for group in &round[..len] {
             if group.queue == ARRIVED {
                 for &i in group.rays() {
-                    write(waiting.numbers[usize::from(i) % RAYS], waiting.result(i));
+                    write(waiting.indices[usize::from(i) % RAYS], waiting.result(i));
                 }
             } else {
                 let leaf = root.children[group.queue / 4 % WIDTH];
@@ -174,7 +174,7 @@ struct Waiting {
     leaves: [[u32; WIDTH]; RAYS],
     near: [[f32; WIDTH]; RAYS],
     /// Of each ray in its batch.
-    numbers: [usize; RAYS],
+    indices: [usize; RAYS],
     heights: [u8; RAYS],
 }
 
@@ -184,7 +184,7 @@ impl Waiting {
         found: [[0.0; WIDTH]; RAYS],
         leaves: [[0; WIDTH]; RAYS],
         near: [[0.0; WIDTH]; RAYS],
-        numbers: [0; RAYS],
+        indices: [0; RAYS],
         heights: [0; RAYS],
     };
 
@@ -208,9 +208,9 @@ impl Waiting {
         let (near, far) = intersect_children::<S>(&setups, root);
         let found = rows::<S>(lanes::no_hits(setups.t_min, setups.t_max));
         let (lines, classes) = (rows::<S>(setups.lines), setups.classes());
-        for (lane, &number) in slots.iter().enumerate().take(rays.len() - first) {
-            let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
-            self.numbers[i] = first + lane;
+        for (lane, &slot) in slots.iter().enumerate().take(rays.len() - first) {
+            let (i, lane) = (usize::from(slot) % RAYS, lane % WIDTH);
+            self.indices[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
             let order = root.order[usize::from(visit_octant(classes.octant(lane), ANY) & 7)];
             let leaves = &QUEUE_OF[classes.fastest(lane) % 3];

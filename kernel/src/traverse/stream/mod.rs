@@ -51,7 +51,7 @@ impl Trees for BvhView<'_> {
     }
 }
 
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
     let mut stream = Stream::<MAX_ACTIVE>::EMPTY;
@@ -68,12 +68,12 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
         let crowded = stream.visit_nodes::<S>(nodes, tree);
         stream.visit_leaves::<ANY, S>(leaves, tree);
         for place in places_of(ended) {
-            write(stream.active[place].number, stream.active[place].best.or_miss());
+            write(stream.active[place].index, stream.active[place].best.or_miss());
         }
         for place in places_of(crowded) {
             let ray = &stream.active[place];
-            if let Some(original) = rays.get(ray.number) {
-                write(ray.number, single::finish(tree, original, ray.best, ANY).or_miss());
+            if let Some(original) = rays.get(ray.index) {
+                write(ray.index, single::finish(tree, original, ray.best, ANY).or_miss());
             }
         }
         stream.busy &= !(ended | crowded);

@@ -39,7 +39,7 @@ pub(crate) enum Stage {
     Moments = 4,
     /// Irradiance records of the rough cache.
     Rough = 5,
-    /// The number of the shard whose texels these are, and how many shards there are.
+    /// The index of the shard whose texels these are, and how many shards there are.
     Shard = 6,
 }
 

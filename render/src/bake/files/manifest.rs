@@ -86,7 +86,7 @@ pub struct SurfaceEntry {
     pub name: String,
     /// The node that shows it, if the model is a glTF file.
     pub node: Option<usize>,
-    /// The number of the primitive in that node's mesh, likewise.
+    /// The index of the primitive in that node's mesh, likewise.
     pub primitive: Option<usize>,
     /// The page.
     pub page: usize,

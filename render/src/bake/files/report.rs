@@ -33,7 +33,7 @@ pub struct ReportPage {
     pub width: u32,
     /// Texels down, at least 1.
     pub height: u32,
-    /// The number of each texel's chart; `None` outside of all.
+    /// The index of each texel's chart; `None` outside of all.
     pub charts: Vec<Option<u32>>,
     /// Texels per unit of length at each texel; not a number outside.
     pub density: Vec<f32>,

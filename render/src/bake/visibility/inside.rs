@@ -50,7 +50,7 @@ pub(super) struct Viewpoint {
 
 /// A hit of one of many rays.
 pub(super) struct Seen<'a> {
-    /// The ray's number.
+    /// The ray's index.
     ray: usize,
     /// The panes of glass before it.
     panes: usize,

@@ -20,7 +20,7 @@ pub struct MeshPoint<'a> {
     pub textures: &'a [Texture],
     /// The position.
     pub mesh: &'a Mesh,
-    /// The triangle's number in the mesh.
+    /// The triangle's index in the mesh.
     pub triangle: usize,
     /// Barycentric weights of its corners, which add up to 1.
     pub weights: [f32; 3],

@@ -108,7 +108,7 @@ impl InstanceRecord {
 }
 
 impl Instances {
-    /// Objects, by their triangles, each with the number of its first one; and where they are.
+    /// Objects, by their triangles, each with the index of its first one; and where they are.
     pub(crate) fn build<E: Executor>(
         executor: &E,
         objects: &[(Vec<Triangle>, u32)],
@@ -219,7 +219,7 @@ impl Instances {
 /// A box that no hit with an instance is outside of, a little larger than theirs.
 struct Reach(Aabb);
 
-/// Rays that may hit an instance, and their numbers.
+/// Rays that may hit an instance, and their indices.
 struct Batch {
     rays: [SceneRay; BATCH],
     numbers: [u32; BATCH],

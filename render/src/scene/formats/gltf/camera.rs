@@ -46,7 +46,7 @@ pub(super) fn choose<'a>(
 /// Degrees; an orthographic camera has none, but an option may make a perspective one of it.
 const DEFAULT_VFOV: f32 = 40.0;
 
-/// The camera with the number `index` at a node.
+/// Camera `index` of the file at a node.
 pub(super) fn read(
     document: &Document,
     camera: &Camera,

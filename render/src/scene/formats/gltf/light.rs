@@ -19,7 +19,7 @@ use super::Document;
 use super::hierarchy::Placed;
 use crate::scene::{PunctualLight, SceneError, SpotEdge};
 
-/// The light with the number `index` at a node.
+/// Light `index` of the file at a node.
 pub(super) fn read(
     document: &Document,
     light: &Light,

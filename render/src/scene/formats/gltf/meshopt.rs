@@ -50,7 +50,7 @@ enum Filter {
 
 const NAME: &str = "EXT_meshopt_compression";
 
-/// The bytes of all buffer views that are compressed, by their numbers.
+/// The bytes of all buffer views that are compressed, by their indices.
 pub(super) fn decompress(
     path: &Path,
     root: &Root,

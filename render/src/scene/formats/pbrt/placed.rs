@@ -27,7 +27,7 @@ pub(super) enum Definition {
 /// The appearance of a mesh.
 #[derive(PartialEq)]
 pub(super) struct Look {
-    /// The number of a material of the file; `None` for the default.
+    /// The index of a material of the file; `None` for the default.
     material: Option<usize>,
     emission: Vec3,
     light: Option<std::rc::Rc<AreaLight>>,
@@ -114,7 +114,7 @@ impl Reader<'_> {
         Ok(material.map_or(Definition::Interface, |material| Definition::Surface(Box::new(material))))
     }
 
-    /// The number of the material with a name.
+    /// The index of the material with a name.
     pub(super) fn named_material(&mut self, name: String, at: &At) -> usize {
         let next = self.materials.len();
         let number = *self.material_names.entry(name.clone()).or_insert(next);
