@@ -12,8 +12,7 @@
 use glam::Vec3;
 
 use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
-    raise,
+    Axis, MAX_COORDINATE, MAX_DIRECTION, MIN_COMPONENT, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD, raise,
 };
 use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
@@ -121,7 +120,7 @@ impl<L: Copy> Bundle<L> {
     where
         L: Lanes<N>,
     {
-        let least = self.largest * L::splat(LEAST_COMPONENT);
+        let least = self.largest * L::splat(MIN_COMPONENT);
         let signed = if class.negative[axis] { L::splat(0.0) - least } else { least };
         let d = self.direction[axis];
         L::splat(1.0) / L::select(d.abs().lt(least), signed, d)
@@ -198,7 +197,7 @@ impl<L: Copy> Bundle<L> {
         };
         for (side, (from, to)) in sides.into_iter().enumerate() {
             for axis in 0..3 {
-                let slope = raise(to[axis] - from[axis], (pad[axis] * LEAST_COMPONENT).max(f32::MIN_POSITIVE));
+                let slope = raise(to[axis] - from[axis], (pad[axis] * MIN_COMPONENT).max(f32::MIN_POSITIVE));
                 let inverse = 1.0 / slope;
                 shaft.inverse[side][axis] = inverse;
                 shaft.shift[side][axis] = from[axis] * inverse;

@@ -3,7 +3,7 @@
 
 use super::Aabb;
 use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
+    Axis, MAX_COORDINATE, MAX_DIRECTION, MIN_COMPONENT, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
 };
 #[cfg(doc)]
 use super::setup::{Line, RaySetup, Slabs};
@@ -43,7 +43,7 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         let live = in_limits(&o, &size, largest) & t_min.le(t_max).bits() & scenes.not_empty::<N>();
         let fastest = [size[0].eq(largest), size[1].eq(largest)];
 
-        let least = largest * L::splat(LEAST_COMPONENT);
+        let least = largest * L::splat(MIN_COMPONENT);
         let inverse = [inverse(dx, size[0], least), inverse(dy, size[1], least), inverse(dz, size[2], least)];
         let zero = L::splat(0.0);
         let negative = [inverse[0].lt(zero), inverse[1].lt(zero), inverse[2].lt(zero)];

@@ -8,7 +8,7 @@
 //!
 //! - Ordinary ones have an error of at most a limit. Their boxes are in the tree unchanged. `E` is the greatest of
 //!   their errors.
-//! - The boxes of distorted ones are in the tree widened by `e_i N`, where the near reach `N` is [twice](NEAR) the
+//! - The boxes of distorted ones are in the tree widened by `e_i N`, where the near reach `N` is [twice](MAX_WIDENED_REACH) the
 //!   extent of what the scene's reach spans. `F` is the greatest of their errors.
 //!
 //! and a ray widens all boxes, those of inner nodes too, by `max(E ρ, F (ρ - N))`. That is enough for every item and
@@ -46,7 +46,7 @@ fn may_be_distorted(items: usize) -> usize {
 }
 
 /// Up to what reach of rays widened boxes are enough, in extents of what the reach spans.
-const NEAR: f32 = 2.0;
+const MAX_WIDENED_REACH: f32 = 2.0;
 
 /// The errors of the items of a scene: how many there are up to each limit, above that before it, and the greatest of them.
 #[derive(Clone, Copy)]
@@ -98,7 +98,7 @@ impl Widening {
             last -= 1;
         }
         let (ordinary, distorted) = (errors.greatest(0..last + 1), errors.greatest(last + 1..LIMITS));
-        let near = NEAR * (reach.max - reach.min).max_element();
+        let near = MAX_WIDENED_REACH * (reach.max - reach.min).max_element();
         let farthest = reach.min.abs().max(reach.max.abs()).max_element();
         // False for infinity and NaN.
         let has_room = near <= MAX_COORDINATE / 4.0 && farthest <= MAX_COORDINATE / 4.0;

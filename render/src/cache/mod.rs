@@ -97,9 +97,9 @@ pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
 /// The allowed disagreement of records, relative to irradiance, over the requested error.
 const TOLERANCE: f32 = 0.2;
 /// The least factor on a radius by disagreement, as an edge of light is no closer for a smaller radius; ...
-const LEAST: f32 = 0.5;
+const MIN_RADIUS_FACTOR: f32 = 0.5;
 /// ... and where an accuracy is asked for.
-const ACCURATE_LEAST: f32 = 0.25;
+const ACCURATE_MIN_RADIUS_FACTOR: f32 = 0.25;
 /// The allowed disagreement of records with an accuracy, relative to the root mean square error: a record has the least
 /// weight where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
@@ -205,9 +205,9 @@ impl Cache {
             (Some(accuracy), Some(estimate)) => Tolerance {
                 relative: 0.0,
                 absolute: ACCURATE_TOLERANCE * accuracy * estimate.light,
-                least: ACCURATE_LEAST,
+                least: ACCURATE_MIN_RADIUS_FACTOR,
             },
-            _ => Tolerance { relative: TOLERANCE * self.options.error, absolute: 0.0, least: LEAST },
+            _ => Tolerance { relative: TOLERANCE * self.options.error, absolute: 0.0, least: MIN_RADIUS_FACTOR },
         }
     }
 

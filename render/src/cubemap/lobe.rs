@@ -86,10 +86,10 @@ impl Lobe {
 
     /// The angle beyond which light counts less than a billionth.
     pub(super) fn reach(&self) -> f64 {
-        const LEAST: f64 = 1e-9;
+        const MIN_WEIGHT: f64 = 1e-9;
         match *self {
             Self::Ggx { .. } => std::f64::consts::FRAC_PI_2,
-            Self::Phong { power } => LEAST.powf(1.0 / power).acos(),
+            Self::Phong { power } => MIN_WEIGHT.powf(1.0 / power).acos(),
         }
     }
 }

@@ -54,7 +54,7 @@ pub enum DenoiseError {
 }
 
 /// The least number of samples a pixel with which no half is empty.
-pub const LEAST_SAMPLES: u32 = 5;
+pub const MIN_SAMPLES: u32 = 5;
 
 impl Method {
     /// Its name as an option.
@@ -109,7 +109,7 @@ impl Method {
                 values.into_iter().all(|&value| value == 0.0)
             };
             let is_empty = |half: &[&str]| is_black(half) && !is_black(&COLORS);
-            if (1..LEAST_SAMPLES).contains(&samples) || is_empty(&HALVES[..3]) || is_empty(&HALVES[3..]) {
+            if (1..MIN_SAMPLES).contains(&samples) || is_empty(&HALVES[..3]) || is_empty(&HALVES[3..]) {
                 return Err(DenoiseError::EmptyHalf("take at least 5 samples a pixel (--spp), better 8 or 16"));
             }
         }

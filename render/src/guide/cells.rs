@@ -12,7 +12,7 @@ use super::{GuideCell, GuideSample};
 /// Bounces from which on a cell is cut in half.
 const CUT_COUNT: usize = 512;
 /// Bounces without which nothing is guided.
-const LEAST_COUNT: usize = 32;
+const MIN_COUNT: usize = 32;
 /// A cell is cut so often at most.
 const MAX_DEPTH: u32 = 40;
 
@@ -122,7 +122,7 @@ fn middle(samples: &[GuideSample]) -> Option<(usize, f32)> {
 /// The cell with these bounces, and its tree of directions.
 fn cell(samples: Vec<GuideSample>) -> (GuideCell, DirectionTrees) {
     let mut directions = DirectionTrees::default();
-    let Some(first) = samples.first().filter(|_| samples.len() >= LEAST_COUNT) else {
+    let Some(first) = samples.first().filter(|_| samples.len() >= MIN_COUNT) else {
         return (GuideCell::NONE, directions);
     };
     let side = side(first.normal);

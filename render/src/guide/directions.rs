@@ -19,7 +19,7 @@ const MAX_DEPTH: u32 = 10;
 /// A bounce is spread over an area of up to this part of its square's side.
 const BLUR: f32 = 1.0;
 /// The part of a square that each quarter of it has at least.
-const LEAST_PART: f32 = 0.01;
+const MIN_PART: f32 = 0.01;
 
 /// A bounce: the position of its direction in the square, and the light that it found.
 pub(super) type Weighted = (Vec2, f32);
@@ -63,7 +63,7 @@ impl DirectionTrees {
         }
         for node in nodes {
             let all: f32 = node.parts.iter().sum();
-            let part = |part: f32| if all > 0.0 { LEAST_PART + (1.0 - 4.0 * LEAST_PART) * part / all } else { 0.25 };
+            let part = |part: f32| if all > 0.0 { MIN_PART + (1.0 - 4.0 * MIN_PART) * part / all } else { 0.25 };
             node.parts = node.parts.map(part);
         }
         tree

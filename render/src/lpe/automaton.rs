@@ -10,8 +10,8 @@ use super::event::{Event, Kind, Pattern, Scattering};
 use super::{Expression, Node};
 
 /// The most states, and the most places of the nondeterministic automaton.
-const MOST_STATES: usize = 20_000;
-const MOST_PLACES: usize = 20_000;
+const MAX_STATES: usize = 20_000;
+const MAX_PLACES: usize = 20_000;
 
 /// The label that represents all labels that no expression names.
 const OTHER: &str = "";
@@ -104,7 +104,7 @@ impl Automaton {
         let mut next = Vec::new();
         let mut state = 0;
         while let Some(set) = sets.sets.get(state).cloned() {
-            if state > MOST_STATES {
+            if state > MAX_STATES {
                 return Err(TooComplex);
             }
             for (event, _) in &events {
@@ -158,7 +158,7 @@ impl Sets<'_> {
 
 impl<'a> Places<'a> {
     fn add(&mut self) -> Result<u32, TooComplex> {
-        if self.free.len() == MOST_PLACES {
+        if self.free.len() == MAX_PLACES {
             return Err(TooComplex);
         }
         self.free.push(Vec::new());

@@ -232,9 +232,9 @@ impl PathOptions {
     /// Paths from which a guide is learned unless another number is given.
     pub const GUIDE_PATHS: u32 = 1 << 19;
     /// The fewest: too few for any guide.
-    pub const LEAST_GUIDE_PATHS: u32 = 1 << 10;
+    pub const MIN_GUIDE_PATHS: u32 = 1 << 10;
     /// The most: some gigabytes of memory.
-    pub const MOST_GUIDE_PATHS: u32 = 1 << 23;
+    pub const MAX_GUIDE_PATHS: u32 = 1 << 23;
 
     /// A guided path's throughput is the smaller, the more light there is where it goes.
     fn check(&self) -> Result<(), Invalid> {

@@ -15,9 +15,9 @@ use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
 /// The greatest exposure either way, in stops, as on the command line.
-const MOST_EXPOSURE: f32 = 64.0;
+const MAX_EXPOSURE: f32 = 64.0;
 /// The samples that a pixel may be asked to have.
-const MOST_SAMPLES: u32 = 1 << 24;
+const MAX_SAMPLES: u32 = 1 << 24;
 /// Samples with which a pixel's paths are listed again as the picture grows.
 const EARLY: u32 = 8;
 
@@ -244,7 +244,7 @@ impl Session {
                 self.show_layer();
             }
             Command::Expose(stops) => {
-                self.tone.exposure = (self.tone.exposure + stops).clamp(-MOST_EXPOSURE, MOST_EXPOSURE);
+                self.tone.exposure = (self.tone.exposure + stops).clamp(-MAX_EXPOSURE, MAX_EXPOSURE);
             }
             Command::ResetTone => self.tone = self.first_tone,
             Command::NextCurve => {
@@ -253,7 +253,7 @@ impl Session {
                 self.tone.curve = ToneCurve::from_name(names[(place + 1) % names.len()]).unwrap_or_default();
             }
             Command::MoreSamples => {
-                self.settings.spp = self.settings.spp.saturating_mul(2).min(MOST_SAMPLES).max(self.settings.spp);
+                self.settings.spp = self.settings.spp.saturating_mul(2).min(MAX_SAMPLES).max(self.settings.spp);
                 self.render();
             }
             Command::Show(page) => {

@@ -105,9 +105,9 @@ pub extern "C" fn points(count: usize) -> *mut [f32; 4] {
 pub extern "C" fn has_room(pieces: usize) -> u32 {
     // Memory that has gaps need not have it in one.
     const PIECE: usize = 1 << 16;
-    const MOST: usize = 1 << 10;
+    const MAX_PIECES: usize = 1 << 10;
     let mut held: Vec<Vec<u8>> = Vec::new();
-    let lengths = (0..pieces).step_by(MOST).map(|first| PIECE * MOST.min(pieces - first));
+    let lengths = (0..pieces).step_by(MAX_PIECES).map(|first| PIECE * MAX_PIECES.min(pieces - first));
     for length in lengths {
         let mut part = Vec::new();
         if part.try_reserve_exact(length).is_err() || held.try_reserve(1).is_err() {

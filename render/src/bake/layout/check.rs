@@ -6,7 +6,7 @@ use std::fmt;
 use super::atlas::{Atlas, NO_CHART};
 use super::islands::{area, stretch};
 use super::raster::{Polygon, rasterize};
-use super::texels::LEAST_COVERAGE;
+use super::texels::MIN_COVERAGE;
 use crate::scene::{Scene, count};
 
 /// Two triangles overlap in a texel if they share more than this part of it; less is rounding.
@@ -215,7 +215,7 @@ fn charts_shown(pieces: &[(u32, u32, Polygon)]) -> Vec<u32> {
     };
     let mut charts: Vec<u32> = pieces.iter().map(|(_, chart, _)| *chart).collect();
     charts.dedup();
-    charts.retain(|chart| area(*chart) >= f64::from(LEAST_COVERAGE));
+    charts.retain(|chart| area(*chart) >= f64::from(MIN_COVERAGE));
     charts
 }
 

@@ -48,7 +48,7 @@ const COVERED: f64 = 0.999;
 
 /// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie behind
 /// the next wall by rounding.
-pub(super) const LEAST_COVERAGE: f32 = 0.02;
+pub(super) const MIN_COVERAGE: f32 = 0.02;
 
 /// A piece of a triangle in a texel.
 struct Piece {
@@ -133,7 +133,7 @@ impl<'a> Surfaces<'a> {
         // A chart that covers no texel well keeps what it has.
         let mut most = vec![0.0f32; self.atlas.charts.len()];
         texels.iter().for_each(|texel| most[texel.chart as usize] = most[texel.chart as usize].max(texel.coverage));
-        texels.retain(|texel| texel.coverage >= LEAST_COVERAGE.min(0.5 * most[texel.chart as usize]));
+        texels.retain(|texel| texel.coverage >= MIN_COVERAGE.min(0.5 * most[texel.chart as usize]));
         texels
     }
 

@@ -25,15 +25,15 @@ const BACKS: f32 = 0.5;
 /// Viewpoints lie so far apart, as a part of the harmonic mean of distances, ...
 const SPACING: f32 = 0.35;
 /// ... which counts as no less than this part of the greatest: there is no end to the viewpoints in a corner.
-const LEAST_DISTANCE: f32 = 0.3;
+const MIN_DISTANCE: f32 = 0.3;
 /// How much narrower than the widest the first ones may be: a gap below a floor is no room.
 const NARROW: f32 = 1.0 / 12.0;
 /// Positions that are tried from each.
 const STEPS: u32 = 16;
 /// The most viewpoints.
-const MOST_VIEWPOINTS: usize = 4096;
+const MAX_VIEWPOINTS: usize = 4096;
 /// Panes of glass that are looked through, one behind the other.
-const MOST_PANES: usize = 16;
+const MAX_PANES: usize = 16;
 
 /// The surroundings of a position.
 pub(super) struct Viewpoint {
@@ -102,14 +102,14 @@ impl<'a> Search<'a> {
     fn reach(&self, new: impl IntoIterator<Item = Viewpoint>) -> Vec<Viewpoint> {
         let (mut viewpoints, mut widest) = (Vec::<Viewpoint>::new(), 0.0f32);
         let mut new: Vec<Viewpoint> = new.into_iter().collect();
-        while !new.is_empty() && viewpoints.len() < MOST_VIEWPOINTS {
+        while !new.is_empty() && viewpoints.len() < MAX_VIEWPOINTS {
             let first = viewpoints.len();
             widest = new.iter().map(|it| it.distance).fold(widest, f32::max);
-            let spacing = |distance: f32| SPACING * distance.max(LEAST_DISTANCE * widest);
+            let spacing = |distance: f32| SPACING * distance.max(MIN_DISTANCE * widest);
             for it in new {
                 let is_apart =
                     |other: &Viewpoint| other.position.distance(it.position) > spacing(it.distance.min(other.distance));
-                if viewpoints.len() < MOST_VIEWPOINTS && viewpoints.iter().all(is_apart) {
+                if viewpoints.len() < MAX_VIEWPOINTS && viewpoints.iter().all(is_apart) {
                     viewpoints.push(it);
                 }
             }
@@ -178,7 +178,7 @@ impl<'a> Search<'a> {
         let mut numbers: Vec<usize> = (0..rays.len()).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut escaped = 0;
-        for panes in 0..MOST_PANES {
+        for panes in 0..MAX_PANES {
             hits.truncate(rays.len());
             self.world.intersect_many(&rays, &mut hits);
             let mut kept = 0;

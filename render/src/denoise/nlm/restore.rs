@@ -18,13 +18,13 @@ use super::plane::Extent;
 use crate::denoise::channels::Rgb;
 
 /// The side of the smallest cells in pixels: with 256 of them, one bright sample is no trend.
-const LEAST_CELL: usize = 16;
+const MIN_CELL: usize = 16;
 /// Pixels darker than this part of the mean count as dark.
 const FLOOR: f32 = 0.02;
 /// A pixel this many times as bright as the mean gets half of the light that its brightness would give it.
 const BRIGHT: f32 = 3.0;
 /// A pixel keeps this part of its light at least.
-const LEAST: f32 = 0.5;
+const MIN_KEPT: f32 = 0.5;
 
 /// Scales the pixels of `denoised` so that its means over larger areas are those of `noisy`.
 pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
@@ -47,13 +47,13 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
             row.iter_mut().enumerate().for_each(|(x, lost)| *lost += cells.at(x, y));
         }
         level = Some(cells);
-        if side <= LEAST_CELL {
+        if side <= MIN_CELL {
             break;
         }
         side /= 2;
     }
     // Black pixels stay black.
-    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(LEAST);
+    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(MIN_KEPT);
     for values in denoised {
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
     }

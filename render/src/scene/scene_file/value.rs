@@ -194,9 +194,9 @@ pub(crate) fn guide(value: &Value) -> Reading<u32> {
     match (value, value.integer()) {
         (Value::Boolean(true), _) => Ok(PathOptions::GUIDE_PATHS),
         (Value::Boolean(false), _) => Ok(0),
-        (_, Some(paths @ PathOptions::LEAST_GUIDE_PATHS..=PathOptions::MOST_GUIDE_PATHS)) => Ok(paths),
+        (_, Some(paths @ PathOptions::MIN_GUIDE_PATHS..=PathOptions::MAX_GUIDE_PATHS)) => Ok(paths),
         _ => {
-            let (least, most) = (PathOptions::LEAST_GUIDE_PATHS, PathOptions::MOST_GUIDE_PATHS);
+            let (least, most) = (PathOptions::MIN_GUIDE_PATHS, PathOptions::MAX_GUIDE_PATHS);
             expected(format!("true, false, or a number of paths from {least} to {most}"))
         }
     }

@@ -25,7 +25,7 @@ use crate::world::{Hit, World};
 const STEEPEST: f32 = 0.866;
 /// The height of a corner above the plane of another's normal, relative to their distance, below which it counts as
 /// rounding.
-const LEAST: f32 = 1e-4;
+const MIN_SLOPE: f32 = 1e-4;
 /// A height below this part of a ray's length is not visible, and needs no ray.
 const UNSEEN: f32 = 1e-4;
 
@@ -61,7 +61,7 @@ impl Convexity {
         let (mut is_convex, mut is_concave) = (true, true);
         for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
             let way = corners[j] - corners[i];
-            let (height, least) = (way.dot(normals[i]), LEAST * way.length());
+            let (height, least) = (way.dot(normals[i]), MIN_SLOPE * way.length());
             is_convex &= height <= least;
             is_concave &= height >= -least;
         }

@@ -24,8 +24,8 @@ const CLOSER: f64 = 0.9;
 /// Lines of text for a wheel's step.
 const LINES: f64 = 3.0;
 /// The least height, for the text, and the greatest size that a window has at first.
-const LEAST_HEIGHT: u32 = 720;
-const GREATEST: (u32, u32) = (1600, 1000);
+const MIN_HEIGHT: u32 = 720;
+const MAX_SIZE: (u32, u32) = (1600, 1000);
 
 /// A display on which a window can be opened.
 pub(super) struct Window {
@@ -109,8 +109,8 @@ impl ApplicationHandler for Shown {
             return;
         }
         let settings = self.session.settings();
-        let width = (settings.width + panel_width() as u32).min(GREATEST.0);
-        let height = settings.height.clamp(LEAST_HEIGHT, GREATEST.1);
+        let width = (settings.width + panel_width() as u32).min(MAX_SIZE.0);
+        let height = settings.height.clamp(MIN_HEIGHT, MAX_SIZE.1);
         let attributes = winit::window::Window::default_attributes()
             .with_title("halfdome view")
             .with_inner_size(PhysicalSize::new(width, height));

@@ -16,7 +16,9 @@ pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
         }),
     };
     match times.as_deref() {
-        Some(&[(open, in_seconds), (close, both)]) if in_seconds == both && open < close && close - open <= MOST => {
+        Some(&[(open, in_seconds), (close, both)])
+            if in_seconds == both && open < close && close - open <= MAX_TIME =>
+        {
             Ok(Shutter { open, close, in_seconds })
         }
         _ => expected(WHAT),
@@ -24,7 +26,7 @@ pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
 }
 
 /// The longest time that a shutter may be open, frames or seconds.
-const MOST: f64 = 1e6;
+const MAX_TIME: f64 = 1e6;
 
 /// A number, and whether it is of seconds.
 fn time(value: &Value) -> Option<(f64, bool)> {
@@ -32,7 +34,7 @@ fn time(value: &Value) -> Option<(f64, bool)> {
         Value::Text(text) => (text.trim().strip_suffix('s')?.trim().parse().ok()?, true),
         number => (number.double()?, false),
     };
-    (number.abs() <= MOST).then_some((number, in_seconds))
+    (number.abs() <= MAX_TIME).then_some((number, in_seconds))
 }
 
 /// The part of the time in which the shutter opens.
