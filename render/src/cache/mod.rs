@@ -280,7 +280,7 @@ impl Cache {
         self.interpolate_by(self.reading(), position, normal)
     }
 
-    /// The same, read in a way that may not be that of the options.
+    /// The same with a reading that may not be that of the options.
     pub(crate) fn interpolate_by(&self, reading: Reading, position: Vec3, normal: Vec3) -> Option<Interpolated> {
         let point = LookupPoint { position, normal, clearance: None };
         self.mix(reading, &self.weighting(self.stretch()), &point, normal)

@@ -99,12 +99,12 @@ impl Plane {
         let Some(LensPlane { aperture, focus, right, up }) = &self.lens else { return self.central_ray(film) };
         let Vec2 { x, y } = aperture.point(u);
         let (place, offset) = (self.place(film.x, film.y), *right * x + *up * y);
-        let (origin, way) = if self.is_parallel {
+        let (origin, vector) = if self.is_parallel {
             (self.eye + place + offset, self.forward.as_vec3() * *focus - offset)
         } else {
             (self.eye + offset, place * *focus - offset)
         };
-        self.clipped(origin, way.normalize(), way.length() / focus)
+        self.clipped(origin, vector.normalize(), vector.length() / focus)
     }
 
     /// The ray with the planes' distances along it, `stretch` times those along the view.
@@ -114,11 +114,11 @@ impl Plane {
 
     /// The projection of a point through the lens's middle.
     pub(super) fn sight(&self, point: Vec3) -> Option<Sight> {
-        let way = point.as_dvec3() - self.eye.as_dvec3();
-        let depth = way.dot(self.forward);
+        let vector = point.as_dvec3() - self.eye.as_dvec3();
+        let depth = vector.dot(self.forward);
         let is_seen = depth > 0.0 && depth >= f64::from(self.clip.near) && depth <= f64::from(self.clip.far);
         // Steps are along right and down; the corner is at distance one.
-        let across = if self.is_parallel { way - self.forward * depth } else { way / depth };
+        let across = if self.is_parallel { vector - self.forward * depth } else { vector / depth };
         let in_plane = is_seen.then(|| across.as_vec3() - self.corner)?;
         let film = Vec2::from_array(self.step.map(|step| in_plane.dot(step) / step.length_squared()));
         let from = if self.is_parallel { self.eye + across.as_vec3() } else { self.eye };

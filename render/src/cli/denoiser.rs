@@ -9,7 +9,7 @@ use crate::denoise::{DenoiseError, MIN_SAMPLES, Method};
 use crate::film::Picture;
 use crate::settings::{Integrator, Settings};
 
-/// A way to denoise, by name.
+/// A denoiser, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Denoiser {
     /// Open Image Denoise.

@@ -54,7 +54,7 @@ pub enum LightSampling {
     Naive,
     /// Light samples at each surface.
     Direct,
-    /// Both ways, weighted by the power heuristic (Veach 1997).
+    /// Both, weighted by the power heuristic (Veach 1997).
     Mis,
 }
 
@@ -96,7 +96,7 @@ pub enum Survival {
 pub struct MonteCarloOptions {
     /// Bounces of indirect light; 0 is direct light alone.
     pub bounces: u32,
-    /// Rays that each surface on the way gathers with, at least 1.
+    /// Rays that each surface on a path gathers with, at least 1.
     pub rays: u32,
     /// The sampling of their directions.
     pub sampling: HemisphereSampling,

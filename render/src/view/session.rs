@@ -14,7 +14,7 @@ use crate::scene::{CameraPose, Projection, Scene};
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
 
-/// The greatest exposure either way, in stops, as on the command line.
+/// The greatest magnitude of an exposure, in stops, as on the command line.
 const MAX_EXPOSURE: f32 = 64.0;
 /// The samples that a pixel may be asked to have.
 const MAX_SAMPLES: u32 = 1 << 24;

@@ -34,13 +34,13 @@ pub(super) fn corners_on(sides: &[[Vec3; 2]]) -> Vec<Vec<(f64, Vec3)>> {
         };
         let near = [1, 2].map(within).into_iter().fold(within(0), |a, b| if b.len() < a.len() { b } else { a });
         let origin = start.as_dvec3();
-        let way = end.as_dvec3() - origin;
-        let length = way.length();
+        let extent = end.as_dvec3() - origin;
+        let length = extent.length();
         let place = |corner: &Vec3| {
             let offset = corner.as_dvec3() - origin;
-            let distance = offset.dot(way) / length;
+            let distance = offset.dot(extent) / length;
             let is_inside = distance > slack && length - distance > slack;
-            let is_on = (offset - way * (distance / length)).length() <= slack;
+            let is_on = (offset - extent * (distance / length)).length() <= slack;
             (is_inside && is_on).then_some((distance / length, *corner))
         };
         let mut found: Vec<(f64, Vec3)> = near.iter().filter_map(place).collect();
@@ -58,8 +58,8 @@ mod tests {
     #[test]
     fn corners_are_found_on_sides_and_not_beside_them() {
         // Diagonally through space, far from the origin.
-        let (start, way) = (vec3(100.0, -300.0, 50.0), vec3(3.0, 5.0, -7.0));
-        let at = |part: f32| start + way * part;
+        let (start, extent) = (vec3(100.0, -300.0, 50.0), vec3(3.0, 5.0, -7.0));
+        let at = |part: f32| start + extent * part;
         let aside = at(0.5) + vec3(0.01, 0.0, 0.0);
         let sides = [[at(0.0), at(1.0)], [at(0.25), vec3(1.0, 2.0, 3.0)], [aside, at(0.75)], [at(1.0), at(2.0)]];
         let found = corners_on(&sides);

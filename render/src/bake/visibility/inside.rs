@@ -40,8 +40,8 @@ pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     /// The harmonic mean of distances.
     distance: f32,
-    /// The rays, as far as the first thing that they meet, glass included.
-    ways: Vec<(Vec3, f32)>,
+    /// Directions of rays, and the distances of what they meet first, glass included.
+    rays: Vec<(Vec3, f32)>,
     /// Whether too many rays reach nothing.
     is_open: bool,
     /// Whether too many end on backs of bodies.
@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
         looked.into_iter().flatten().collect()
     }
 
-    /// Positions beside surfaces, half of the way to the next.
+    /// Positions beside surfaces, halfway to the next.
     fn starts(&self, side: Side) -> Vec<Vec3> {
         let rays = self.world.rays_from_surfaces(side);
         let mut hits = vec![Hit::MISS; rays.len()];
@@ -143,11 +143,11 @@ impl<'a> Search<'a> {
 
     /// The next positions, along the rays of new viewpoints.
     fn next(viewpoints: &[Viewpoint], new: Range<usize>) -> Vec<Vec3> {
-        let step = |number: usize| {
-            let it = &viewpoints[number];
-            let ways = it.ways.iter().step_by((it.ways.len() / STEPS as usize).max(1));
-            ways.enumerate().map(move |(i, &(direction, t))| {
-                let u = Sampler::new(Pattern::Sobol, 0, number as u32, i as u32).uniform2(1).x;
+        let step = |index: usize| {
+            let it = &viewpoints[index];
+            let found = it.rays.iter().step_by((it.rays.len() / STEPS as usize).max(1));
+            found.enumerate().map(move |(i, &(direction, t))| {
+                let u = Sampler::new(Pattern::Sobol, 0, index as u32, i as u32).uniform2(1).x;
                 it.position + direction * (t * (0.2 + 0.6 * u))
             })
         };
@@ -158,19 +158,19 @@ impl<'a> Search<'a> {
     fn look(&self, position: Vec3, number: u32) -> Option<Viewpoint> {
         let rays = around(position, number, 0..RAYS);
         let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
-        let mut ways = Vec::with_capacity(rays.len());
+        let mut found = Vec::with_capacity(rays.len());
         let (mut backs, mut inverse) = (0, 0.0);
         let escaped = self.trace(rays, |&Seen { ray, panes, hit, is_back }| {
             if panes == 0 {
-                ways.push((directions[ray], hit.t));
+                found.push((directions[ray], hit.t));
                 inverse += 1.0 / hit.t.max(f32::MIN_POSITIVE);
                 backs += usize::from(is_back);
             }
         });
         let is_open = escaped as f32 > OPEN * RAYS as f32;
         let is_covered = backs as f32 > BACKS * RAYS as f32;
-        let distance = ways.len() as f32 / inverse;
-        distance.is_finite().then_some(Viewpoint { position, distance, ways, is_open, is_covered })
+        let distance = found.len() as f32 / inverse;
+        distance.is_finite().then_some(Viewpoint { position, distance, rays: found, is_open, is_covered })
     }
 
     /// Traces rays through glass, and reports each hit. Returns the number of rays that miss.

@@ -225,7 +225,7 @@ fn square(text: &str) -> Result<u32, String> {
     side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_PREVIEW_SIDE}"))
 }
 
-/// A way to denoise.
+/// A denoiser.
 pub(crate) fn denoiser() -> impl TypedValueParser<Value = Denoiser> {
     names(Denoiser::ALL, Denoiser::name)
 }

@@ -177,8 +177,8 @@ impl Material {
         }
         let turn = Vec2::from_angle(self.tangent_rotation);
         let texel = map.map_or(Vec2::X, |map| point.texel(map).truncate().truncate() * 2.0 - 1.0);
-        let way = turn.rotate(texel.try_normalize().unwrap_or(Vec2::X));
-        (tangent * way.x + bitangent * way.y).normalize_or(tangent)
+        let slope = turn.rotate(texel.try_normalize().unwrap_or(Vec2::X));
+        (tangent * slope.x + bitangent * slope.y).normalize_or(tangent)
     }
 }
 

@@ -135,7 +135,7 @@ impl<'a> Study<'a> {
         Run { records: 0, rays, seconds: 0.0, error: self.reference.error_of(found.values) }
     }
 
-    /// By a cache for the picture with both gradients, read in each of these ways, on which its records do not depend. A
+    /// By a cache for the picture with both gradients, with each of these readings, on which its records do not depend. A
     /// surface that it does not cover gets a record of its own, which counts.
     pub(crate) fn cache(&self, options: CachedOptions, readings: &[Reading]) -> Vec<Run> {
         let cache = Cache::new(options, self.world.surroundings_hash());

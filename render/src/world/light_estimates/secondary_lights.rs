@@ -110,13 +110,13 @@ impl World {
             let (each, chosen) = lit.representatives(&receiver);
             for prim_id in chosen {
                 let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
-                let way = point.position - middle.position;
-                if !lit.may_reach(prim_id, way.normalize_or(Vec3::Z), way.length()) {
+                let vector = point.position - middle.position;
+                if !lit.may_reach(prim_id, vector.normalize_or(Vec3::Z), vector.length()) {
                     continue;
                 }
                 reached += each;
                 let end = middle.end_from(point.position);
-                if !self.occluded(&Ray::between(point.origin_towards(-way), end)) {
+                if !self.occluded(&Ray::between(point.origin_towards(-vector), end)) {
                     received += each;
                 }
             }

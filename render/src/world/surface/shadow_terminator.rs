@@ -60,8 +60,8 @@ impl Convexity {
         }
         let (mut is_convex, mut is_concave) = (true, true);
         for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
-            let way = corners[j] - corners[i];
-            let (height, least) = (way.dot(normals[i]), MIN_SLOPE * way.length());
+            let edge = corners[j] - corners[i];
+            let (height, least) = (edge.dot(normals[i]), MIN_SLOPE * edge.length());
             is_convex &= height <= least;
             is_concave &= height >= -least;
         }
@@ -135,8 +135,8 @@ impl World {
         if hit.t.is_finite() && lift < UNSEEN * hit.t {
             return lift;
         }
-        let way = smooth * (lift / smooth.dot(normal).max(0.5));
-        let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, way) }, hit.time);
+        let offset = smooth * (lift / smooth.dot(normal).max(0.5));
+        let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, offset) }, hit.time);
         if other.is_hit() { 0.5 * other.t * lift } else { lift }
     }
 }

@@ -14,7 +14,7 @@ use winit::window::WindowId;
 use crate::cli::error::{CliError, EXIT_DONE};
 use crate::view::{self, Command, Screen, Session, panel_width};
 
-/// Radians for the way across the picture.
+/// Radians for a drag across the picture.
 const TURN: f64 = 3.0;
 /// Pixels that a hand moves which only clicks.
 const STILL: f64 = 4.0;
@@ -100,7 +100,7 @@ struct Drag {
     button: MouseButton,
     last: (f64, f64),
     /// How far it went.
-    way: f64,
+    distance: f64,
 }
 
 impl ApplicationHandler for Shown {
@@ -144,7 +144,7 @@ impl ApplicationHandler for Shown {
             }
             WindowEvent::CursorMoved { position, .. } => self.point((position.x, position.y)),
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } if !self.is_on_panel() => {
-                self.drag = Some(Drag { button, last: self.cursor, way: 0.0 });
+                self.drag = Some(Drag { button, last: self.cursor, distance: 0.0 });
             }
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => self.release(button),
             WindowEvent::MouseWheel { delta, .. } => {
@@ -199,9 +199,9 @@ impl Shown {
         let pans = self.modifiers.shift_key();
         let Some(drag) = &mut self.drag else { return };
         let (right, down) = (to.0 - drag.last.0, to.1 - drag.last.1);
-        drag.way += right.hypot(down);
+        drag.distance += right.hypot(down);
         drag.last = to;
-        if drag.way < STILL {
+        if drag.distance < STILL {
             return;
         }
         let pans = pans || drag.button != MouseButton::Left;
@@ -215,7 +215,7 @@ impl Shown {
         let Some(drag) = self.drag.take_if(|drag| drag.button == button) else { return };
         let settings = self.session.settings();
         let size = (settings.width, settings.height);
-        let is_click = drag.way < STILL && button == MouseButton::Left;
+        let is_click = drag.distance < STILL && button == MouseButton::Left;
         if let Some((x, y)) = Screen::pixel_at(self.size(), self.has_panel, size, self.cursor).filter(|_| is_click) {
             self.apply(Command::Pick(x, y));
         }

@@ -52,7 +52,7 @@ fn parse_with(document: Value, bytes: &[u8]) -> Result<Scene, SceneError> {
     parse_as(document, bytes, &LoadOptions::default())
 }
 
-/// The same in another way.
+/// The same by another method.
 fn parse_as(mut document: Value, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     use base64::Engine;
     if document["buffers"].is_null() {
