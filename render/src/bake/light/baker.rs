@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::ao::AmbientOcclusion;
-use super::footprint::direct_points;
+use super::direct_points::direct_points;
 use super::moments::{DirectionalBasis, Moments};
 use super::values::Values;
 use crate::bake::files::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
