@@ -1,8 +1,8 @@
 //! Times points and curves: trees of spheres in blocks of eight beside the same spheres one by one as a custom shape,
 //! discs, and linear and cubic hairs.
 //!
-//! `cargo bench -p halfdome-benches --bench round -- [--rounds N]`. With `--test`, or without the `--bench` that `cargo bench`
-//! passes, everything runs once, untimed.
+//! `cargo bench -p halfdome-benches --bench round -- [--rounds N]`. With `--test`, or without the `--bench` that
+//! `cargo bench` passes, everything runs once, untimed.
 
 use clap::Parser;
 use glam::{Vec3, vec3};

@@ -1,6 +1,6 @@
-//! An engine's loop: ten thousand instances of a ball of a million triangles, a thousand of which move each frame, some come
-//! and some go; then the camera's rays are traced.
-//! `cargo run --release -p halfdome-kernel --example instances -- full`. Without `full`, a hundredth of both.
+//! An engine's loop: ten thousand instances of a ball of a million triangles, a thousand of which move each frame, some
+//! come and some go; then the camera's rays are traced. `cargo run --release -p halfdome-kernel --example instances --
+//! full`. Without `full`, a hundredth of both.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;

@@ -1,6 +1,6 @@
 //! A ray-tracing kernel for embedding: bounding-volume hierarchies, traversal with SIMD, scenes of instances, samplers,
-//! and irradiance with gradients. It is `no_std`, does not allocate or panic while it traces, and finds the same hits to the
-//! bit on every instruction set, alone, in packets or in batches.
+//! and irradiance with gradients. It is `no_std`, does not allocate or panic while it traces, and finds the same hits
+//! to the bit on every instruction set, alone, in packets or in batches.
 //!
 //! # What one can do
 //!

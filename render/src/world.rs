@@ -122,8 +122,8 @@ impl World {
     /// Makes a scene ready, with the best tree, on the threads of the current rayon pool.
     ///
     /// # Errors
-    /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`]
-    /// with more triangles than a tree can hold.
+    /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera,
+    /// [`WorldError::Tree`] with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
         Self::for_light_query(scene, LightQuery::Camera)
     }

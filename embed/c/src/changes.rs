@@ -57,10 +57,11 @@ fn named(scene: &Scene, hd_handle { index, generation }: hd_handle) -> Result<Ha
     Ok(known.ok_or(halfdome_kernel::Error::from(InvalidScene::NoSuchItem { index, generation }))?)
 }
 
-/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their index, and generation 0.
+/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their index, and
+/// generation 0.
 ///
-/// This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is in
-/// keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
+/// This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is
+/// in keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_insert(
     scene: *mut hd_scene,
@@ -70,7 +71,8 @@ pub unsafe extern "C" fn hd_scene_insert(
     guard(|| {
         check("scene", scene, 1)?;
         check("handle", handle, 1)?;
-        // SAFETY: the caller's promise. The item may be the scene itself, as it is now: only then is it borrowed to be changed.
+        // SAFETY: the caller's promise. The item may be the scene itself, as it is now: only then is it borrowed to be
+        // changed.
         let (made, scene, handle) =
             unsafe { (self::item("item", item)?, changing(scene.as_mut())?, room_for_one("handle", handle)?) };
         *handle = scene.insert(made)?.into();
@@ -88,8 +90,9 @@ pub extern "C" fn hd_scene_remove(scene: Option<&mut hd_scene>, handle: hd_handl
     })
 }
 
-/// Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points, from the
-/// next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays where it was.
+/// Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points,
+/// from the next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays
+/// where it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_set_transform(
     scene: Option<&mut hd_scene>,
@@ -115,8 +118,8 @@ pub extern "C" fn hd_scene_set_mask(scene: Option<&mut hd_scene>, handle: hd_han
     })
 }
 
-/// Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who sees it.
-/// Its handle stays.
+/// Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who
+/// sees it. Its handle stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_set_item(scene: *mut hd_scene, handle: hd_handle, item: *const hd_item) -> hd_status {
     guard(|| {
@@ -128,8 +131,9 @@ pub unsafe extern "C" fn hd_scene_set_item(scene: *mut hd_scene, handle: hd_hand
     })
 }
 
-/// Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or built again
-/// where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the changes still wait.
+/// Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or
+/// built again where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the
+/// changes still wait.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_commit(scene: Option<&mut hd_scene>, commit: *mut hd_commit) -> hd_status {
     guard(|| {

@@ -21,8 +21,8 @@ pub const HD_ACCEPT: u32 = 1;
 /// The hit counts, and the search ends with it, whether there are nearer ones or not.
 pub const HD_STOP: u32 = 2;
 
-/// Judges a hit: HD_REJECT, HD_ACCEPT or HD_STOP. user is what was given with it. It must return, by no exception and no
-/// longjmp; it may trace other rays.
+/// Judges a hit: HD_REJECT, HD_ACCEPT or HD_STOP. user is what was given with it. It must return, by no exception and
+/// no longjmp; it may trace other rays.
 pub type hd_filter = Option<unsafe extern "C" fn(user: *mut c_void, hit: *const hd_hit) -> u32>;
 
 /// hd_filter for the hits of a scene.
@@ -143,8 +143,8 @@ unsafe fn nearest<T: Traceable>(
     })
 }
 
-/// Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are nearer
-/// than what it accepted so far, each once, roughly from near to far.
+/// Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are
+/// nearer than what it accepted so far, each once, roughly from near to far.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_intersect_filtered(
     tree: Option<&hd_tree>,
@@ -244,9 +244,10 @@ fn check_time(time: f32) -> Result<(), Failure> {
     if time.is_nan() { Err(Failure::new(HD_ERROR_VALUE, "time is NaN")) } else { Ok(()) }
 }
 
-/// Finds the point of a tree's triangles that is closest to a point (three numbers) and not farther than radius, which may
-/// be infinite. Writes its coordinates to the three numbers of closest, and to hit which triangle it is on, with the distance as t;
-/// where there is none, HD_NO_PRIM, and closest is all 0. closest may be NULL. Of equally close triangles the lowest counts.
+/// Finds the point of a tree's triangles that is closest to a point (three numbers) and not farther than radius, which
+/// may be infinite. Writes its coordinates to the three numbers of closest, and to hit which triangle it is on, with
+/// the distance as t; where there is none, HD_NO_PRIM, and closest is all 0. closest may be NULL. Of equally close
+/// triangles the lowest counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_closest_point(
     tree: Option<&hd_tree>,
@@ -267,8 +268,8 @@ pub unsafe extern "C" fn hd_closest_point(
     })
 }
 
-/// hd_closest_point for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands
-/// for all bits.
+/// hd_closest_point for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0
+/// stands for all bits.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_closest_point(
     scene: Option<&hd_scene>,
@@ -306,9 +307,9 @@ unsafe fn write_closest<H: Pod, K: Pod>((at, found): (Vec3, K), closest: *mut f3
     Ok(())
 }
 
-/// Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each, and
-/// writes as many of their indices as prim_ids has room for, in an order that is the tree's own. *count is the number of all of
-/// them, which may be more than capacity. Touching counts.
+/// Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each,
+/// and writes as many of their indices as prim_ids has room for, in an order that is the tree's own. *count is the
+/// number of all of them, which may be more than capacity. Touching counts.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_overlaps(
     tree: Option<&hd_tree>,
@@ -330,8 +331,8 @@ pub unsafe extern "C" fn hd_overlaps(
     })
 }
 
-/// hd_overlaps for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands for
-/// all bits. Hits have a t of 0.
+/// hd_overlaps for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands
+/// for all bits. Hits have a t of 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_overlaps(
     scene: Option<&hd_scene>,

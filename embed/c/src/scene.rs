@@ -19,8 +19,8 @@ use crate::tree::{build_options, hd_build_options, hd_tree};
 /// A scene, ready to be traced as it was at its last commit.
 pub struct hd_scene(pub(crate) Arc<Scene<'static>>);
 
-/// Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be many
-/// instances.
+/// Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be
+/// many instances.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct hd_item {
@@ -30,12 +30,12 @@ pub struct hd_item {
     pub tree: *const hd_tree,
     /// The scene, or NULL.
     pub scene: *const hd_scene,
-    /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-    /// to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale of zero, hides the
-    /// item; one that flattens nearly is an HD_ERROR_VALUE.
+    /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y,
+    /// z, 1) to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale
+    /// of zero, hides the item; one that flattens nearly is an HD_ERROR_VALUE.
     pub transforms: *const f32,
-    /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
-    /// elements are interpolated.
+    /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between
+    /// their elements are interpolated.
     pub transform_count: usize,
     /// Rays see it whose mask has a bit in common with it. 0 stands for all bits.
     pub mask: u32,
@@ -132,10 +132,10 @@ pub(crate) fn mask_of(mask: u32) -> u32 {
     if mask == 0 { u32::MAX } else { mask }
 }
 
-/// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
-/// in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
-/// items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
-/// items, is built again now and then.
+/// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and
+/// scenes in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is
+/// empty, for items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree,
+/// which is over items, is built again now and then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_build(
     items: *const hd_item,
@@ -250,8 +250,8 @@ pub unsafe extern "C" fn hd_scene_occluded_many(
     unsafe { any(scene, ["rays", "occluded"], rays, occluded, count) }
 }
 
-/// Writes the items that are scenes on the path to a hit of this scene, the outermost first: their indices, each in the scene
-/// that has it, as many as hit->depth says. instances has room for capacity of them.
+/// Writes the items that are scenes on the path to a hit of this scene, the outermost first: their indices, each in the
+/// scene that has it, as many as hit->depth says. instances has room for capacity of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_instances(
     scene: Option<&hd_scene>,

@@ -83,8 +83,8 @@ impl From<Error> for Failure {
 const ROOM: usize = 512;
 
 thread_local! {
-    /// Always at the same place, so that its address may be taken before the call that fails, as where both are arguments of
-    /// printf.
+    /// Always at the same place, so that its address may be taken before the call that fails, as where both are
+    /// arguments of printf.
     static LAST_ERROR: RefCell<[u8; ROOM]> = const { RefCell::new([0; ROOM]) };
 }
 
@@ -117,8 +117,8 @@ pub extern "C" fn hd_abi_version() -> u32 {
     HD_ABI_VERSION
 }
 
-/// What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed. It
-/// can be read until the thread's next call that fails, and belongs to the library.
+/// What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed.
+/// It can be read until the thread's next call that fails, and belongs to the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn hd_last_error() -> *const c_char {
     LAST_ERROR.try_with(|last| last.borrow().as_ptr().cast()).unwrap_or(c"".as_ptr())

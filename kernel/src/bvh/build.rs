@@ -38,8 +38,8 @@ pub struct Bvh {
 pub struct BuildReport {
     /// Primitives in the tree.
     pub kept: usize,
-    /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one less
-    /// than zero, discs without a normal, empty boxes.
+    /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one
+    /// less than zero, discs without a normal, empty boxes.
     pub degenerate: usize,
     /// Primitives with a coordinate or radius that is NaN or infinite.
     pub not_finite: usize,
@@ -64,7 +64,8 @@ pub struct TreeStatistics {
     pub triangles: usize,
     /// Nodes on the longest path from the root to a leaf.
     pub depth: usize,
-    /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a block.
+    /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a
+    /// block.
     pub cost: f32,
     /// Memory of nodes and blocks in bytes.
     pub memory_bytes: usize,

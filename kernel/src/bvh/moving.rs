@@ -23,9 +23,9 @@ pub struct MovingBvh {
 }
 
 impl MovingBvh {
-    /// Builds a tree over triangles that are where `keys` say at times evenly spaced over 0..=1, and move in straight lines
-    /// between. A hit's `prim_id` is an index into each of the keys. Triangles that no ray can hit at any time are left out
-    /// and counted, and those that are beyond the limits at some time.
+    /// Builds a tree over triangles that are where `keys` say at times evenly spaced over 0..=1, and move in straight
+    /// lines between. A hit's `prim_id` is an index into each of the keys. Triangles that no ray can hit at any time
+    /// are left out and counted, and those that are beyond the limits at some time.
     ///
     /// # Errors
     /// [`InvalidTree::BadKeys`] if there are no keys or they differ in length, [`Error::TooManyPrimitives`], and

@@ -25,9 +25,9 @@ pub struct Refit {
 }
 
 impl Refit {
-    /// The [`cost_ratio`](Self::cost_ratio) from which on a rebuild usually pays. Where sheets and clouds of triangles twist or
-    /// drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or three
-    /// rays a triangle.
+    /// The [`cost_ratio`](Self::cost_ratio) from which on a rebuild usually pays. Where sheets and clouds of triangles
+    /// twist or drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or
+    /// three rays a triangle.
     pub const REBUILD_COST_RATIO: f32 = 1.5;
 
     /// Whether a rebuild is advisable.

@@ -70,8 +70,8 @@ impl RoundBvh {
     /// for each linear and 115 for each cubic curve, nodes included.
     ///
     /// # Errors
-    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](super::Bvh::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
-    /// fewer do not fit, as blocks are not full.
+    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](super::Bvh::MAX_TRIANGLES), and [`InvalidTree::TooLarge`]
+    /// if fewer do not fit, as blocks are not full.
     pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, primitives, options)
     }

@@ -1,4 +1,5 @@
-//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked before.
+//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked
+//! before.
 
 mod mesh;
 mod scene;

@@ -6,8 +6,8 @@
 //! s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It is
 //! as tight for rays that converge at a light as for diverging ones.
 //!
-//! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's own
-//! box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
+//! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's
+//! own box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
 
 use glam::Vec3;
 
@@ -18,7 +18,8 @@ use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
 use crate::simd::{Lanes, Mask};
 
-/// Octant and fastest axis of a direction: what decides which planes are near, and along which axis triangles are sheared.
+/// Octant and fastest axis of a direction: what decides which planes are near, and along which axis triangles are
+/// sheared.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct DirectionClass {
     /// The axes in the order of [`Line`](super::setup::Line).

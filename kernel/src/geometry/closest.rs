@@ -9,8 +9,8 @@
 //!
 //! The coordinates are relative to the point from which the distance is measured, and the closest point is clamped to
 //! the triangle's own box. So its distance, computed in the same way, is never less than that of a box around the
-//! triangle, to the last bit: each rounded operation is monotonic. Culling boxes then never loses the closest triangle, nor
-//! one as close, and no allowance for rounding is needed.
+//! triangle, to the last bit: each rounded operation is monotonic. Culling boxes then never loses the closest triangle,
+//! nor one as close, and no allowance for rounding is needed.
 //!
 //! Squares of distances below 1e-19 vanish: such distances count as equal, and as zero.
 

@@ -7,8 +7,8 @@
 use super::setup::{MIN_COMPONENT, OWN_PAD, is_in_limits, raise};
 use super::{Aabb, Hit, Ray};
 
-/// A hit with a primitive in whose box the ray is in this [`interval`], clamped to that; `None` if it is then outside of the
-/// ray's own.
+/// A hit with a primitive in whose box the ray is in this [`interval`], clamped to that; `None` if it is then outside
+/// of the ray's own.
 #[inline(always)]
 pub(crate) fn clamped(ray: &Ray, (near, far): (f32, f32), hit: Hit) -> Option<Hit> {
     // Adding zero makes a negative zero positive. A NaN fails every comparison.

@@ -65,8 +65,8 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         Self { live, t_min, t_max, fastest, negative, inverse, near_shift, far_shift, lines }
     }
 
-    /// Where the rays enter and leave a box, of which the lower and upper bounds along each axis are given, within their
-    /// intervals.
+    /// Where the rays enter and leave a box, of which the lower and upper bounds along each axis are given, within
+    /// their intervals.
     #[inline(always)]
     pub(crate) fn intersect_box(&self, bounds: [[f32; 2]; 3]) -> (L, L) {
         let (near_x, far_x) = self.slab(0, bounds[0]);
@@ -232,8 +232,8 @@ impl SetupRows {
     }
 }
 
-/// The orders of [`Line::axes`] for rays that run fastest along x, y or z, whether forward or backward: that only mirrors
-/// the triangles, and no hit changes, but front and back change places.
+/// The orders of [`Line::axes`] for rays that run fastest along x, y or z, whether forward or backward: that only
+/// mirrors the triangles, and no hit changes, but front and back change places.
 pub(crate) const FORWARD: [[Axis; 3]; 3] =
     [Axis::permutation(0, false), Axis::permutation(1, false), Axis::permutation(2, false)];
 
@@ -260,7 +260,8 @@ fn inverse<const N: usize, L: Lanes<N>>(d: L, size: L, least: L) -> L {
     L::splat(1.0) / L::select(size.lt(least), least.copysign(d), d)
 }
 
-/// Of a vector, the component `k` of x, y and z in the order in which the axis along which the ray is fastest is the last.
+/// Of a vector, the component `k` of x, y and z in the order in which the axis along which the ray is fastest is the
+/// last.
 #[inline(always)]
 fn along<const K: usize, const N: usize, L: Lanes<N>>([x, y]: [L::Mask; 2], v: [L; 3]) -> L {
     L::select(x, v[(K + 1) % 3], L::select(y, v[(K + 2) % 3], v[K]))

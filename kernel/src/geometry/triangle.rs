@@ -163,8 +163,9 @@ fn reach<const N: usize, L: Lanes<N>>([lower, upper]: [L; 2]) -> L {
     lower.abs().max(upper.abs())
 }
 
-/// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are small differences, and along it
-/// the mean strays by a rounding times length over width: it is moved back along the longest edge.
+/// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are
+/// small differences, and along it the mean strays by a rounding times length over width: it is moved back along the
+/// longest edge.
 #[inline(always)]
 fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w]: [L; 3]) -> (L, L, L) {
     let stray = [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1]];

@@ -8,9 +8,9 @@
 //!
 //! # Deviations
 //! The mesh is closed: the first ring's triangles meet in a point at the zenith, and the last ring's points are dropped
-//! onto the tangent plane. So light that is the same everywhere has the Hessian zero, without the mean being subtracted.
-//! The hundredth of the mean radiance that is added to each triangle (1 where all is black) ends at the last ring, as
-//! published: it would have no Hessian if it did not.
+//! onto the tangent plane. So light that is the same everywhere has the Hessian zero, without the mean being
+//! subtracted. The hundredth of the mean radiance that is added to each triangle (1 where all is black) ends at the
+//! last ring, as published: it would have no Hessian if it did not.
 
 use core::f32::consts::PI;
 

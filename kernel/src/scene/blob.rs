@@ -136,7 +136,8 @@ impl<'a> SceneBlob<'a> {
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
     /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Scene::from_bytes` copies it.
     /// - [`Error::Damaged`]: the checksum does not match.
-    /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by halfdome.
+    /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by
+    ///   halfdome.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Error> {
         let header = Header::read(bytes)?;
         if bytes.as_ptr().align_offset(BLOB_ALIGNMENT) != 0 {
@@ -249,8 +250,8 @@ impl<'a> SceneBlob<'a> {
     /// `inner` are the views of the earlier scenes, at least of those that it contains.
     ///
     /// # Errors
-    /// [`InvalidScene::BufferTooSmall`] if there are fewer items or scenes than needed; and, for bytes that were not written by
-    /// halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
+    /// [`InvalidScene::BufferTooSmall`] if there are fewer items or scenes than needed; and, for bytes that were not
+    /// written by halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
     pub fn view<'s, 'i: 's>(
         &self,
         scene: usize,

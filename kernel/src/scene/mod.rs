@@ -58,10 +58,10 @@
 //!
 //! # Motion
 //! Times are 0..=1; other times are clamped, and a ray whose time is NaN hits nothing. Motion has keys, evenly spaced
-//! over that time: triangles ([`MovingBvhView`](crate::bvh::MovingBvhView)), whose corners are interpolated as `(1 - f) a + f
-//! b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a key both equal
-//! static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes are interpolated,
-//! and an item whose own keys do not coincide with the tree's has one box around its whole motion.
+//! over that time: triangles ([`MovingBvhView`](crate::bvh::MovingBvhView)), whose corners are interpolated as
+//! `(1 - f) a + f b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a
+//! key both equal static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes
+//! are interpolated, and an item whose own keys do not coincide with the tree's has one box around its whole motion.
 //!
 //! Nothing here allocates or panics while tracing.
 
@@ -252,8 +252,8 @@ impl SceneView<'_> {
     }
 }
 
-/// Rays by the method that suits their number and the scene: one by one where they are too few for a stream, or the stack
-/// has no room for one, as below nested scenes.
+/// Rays by the method that suits their number and the scene: one by one where they are too few for a stream, or the
+/// stack has no room for one, as below nested scenes.
 fn trace_many<A: Answers>(scene: &SceneView, rays: &[SceneRay], answers: A) {
     if cfg!(target_os = "none") || rays.len() < MIN_STREAM_RAYS || scene.levels() > 0 {
         dispatch(scene.isa(), TraceAll { scene, rays, answers });

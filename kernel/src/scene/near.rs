@@ -23,12 +23,12 @@ use crate::geometry::{Aabb, Hit, Triangle, overlaps};
 use crate::simd::Level;
 
 impl SceneView<'_> {
-    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`. Only
-    /// items whose mask has a bit in common with `mask` count; points, curves and custom shapes do not. Of equally close
-    /// ones the lowest `item` counts, then the lowest `prim_id`, then the lowest `path`.
+    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`.
+    /// Only items whose mask has a bit in common with `mask` count; points, curves and custom shapes do not. Of equally
+    /// close ones the lowest `item` counts, then the lowest `prim_id`, then the lowest `path`.
     ///
-    /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
-    /// NaN; it may be infinite.
+    /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is
+    /// negative or NaN; it may be infinite.
     pub fn closest_point(&self, point: Vec3, radius: f32, time: f32, mask: u32) -> Option<ScenePoint> {
         let best = ClosestCandidate::none_within(point, radius)?;
         let mut search = Closest { point, best, place: SceneHit::MISS };

@@ -95,8 +95,8 @@ fn loop_over(from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32, ray: &
     }
 }
 
-/// Shows a search all triangles of a scene in a space at a time that a mask sees, where they are, and the boxes of shapes'
-/// primitives, until it breaks off.
+/// Shows a search all triangles of a scene in a space at a time that a mask sees, where they are, and the boxes of
+/// shapes' primitives, until it breaks off.
 pub(super) fn search(
     scene: &SceneView,
     space: &Space,

@@ -11,8 +11,8 @@ use crate::simd::{Isa, Simd, Work, dispatch};
 use crate::traverse::TraversalStack;
 use crate::traverse::single::round;
 
-/// Shows a search the hits of a ray with points or curves; all have in common what `common` says. Not inlined, so that walks
-/// through scenes of triangles are not compiled with this in their midst. `stack` is memory.
+/// Shows a search the hits of a ray with points or curves; all have in common what `common` says. Not inlined, so that
+/// walks through scenes of triangles are not compiled with this in their midst. `stack` is memory.
 #[inline(never)]
 pub(super) fn enter<Q: Search>(
     tree: &RoundBvhView,

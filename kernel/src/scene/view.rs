@@ -115,8 +115,8 @@ impl SceneSummary {
 }
 
 impl<'a> SceneView<'a> {
-    /// Borrows a scene whose tree is `nodes` and `indices`, as in [`BoxTreeView::new`]; these are indices of `parts`. The tree has
-    /// as many keys as the item that has most. The items' paths are numbered.
+    /// Borrows a scene whose tree is `nodes` and `indices`, as in [`BoxTreeView::new`]; these are indices of `parts`.
+    /// The tree has as many keys as the item that has most. The items' paths are numbered.
     ///
     /// # Errors
     /// [`InvalidTree`](crate::InvalidTree) for the tree, and [`InvalidScene`] for the items.
@@ -149,8 +149,8 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// Borrows a scene that is known to be valid, and whose boxes are in the tree as its [widening](SceneSummary::widening)
-    /// says.
+    /// Borrows a scene that is known to be valid, and whose boxes are in the tree as its
+    /// [widening](SceneSummary::widening) says.
     #[cfg(any(feature = "alloc", test))]
     pub(super) fn trusted(
         items: &'a [Item<'a>],

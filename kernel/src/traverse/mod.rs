@@ -1,4 +1,5 @@
-//! Tracing rays through a tree: the methods of [`BvhView`], and the scalar [`mod@reference`] that they equal bit for bit.
+//! Tracing rays through a tree: the methods of [`BvhView`], and the scalar [`mod@reference`] that they equal bit for
+//! bit.
 //!
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |

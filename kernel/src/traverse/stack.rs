@@ -1,5 +1,5 @@
-//! The traversal stack: the subtrees that a ray has still to visit. Walks whose order others see use this one: children come
-//! in the order that the tree keeps for each octant of directions, not in that of their distances.
+//! The traversal stack: the subtrees that a ray has still to visit. Walks whose order others see use this one: children
+//! come in the order that the tree keeps for each octant of directions, not in that of their distances.
 
 use super::node_test::NodeTest;
 use crate::bvh::{Child, MAX_STACK, Node, WIDTH};

@@ -1,5 +1,5 @@
-//! The oracle: the distance of a point from the surface, found by a search along the axis, and where a ray crosses the surface,
-//! found by steps along the ray.
+//! The oracle: the distance of a point from the surface, found by a search along the axis, and where a ray crosses the
+//! surface, found by steps along the ray.
 
 use super::*;
 
@@ -57,8 +57,8 @@ fn ray_at(random: &mut Random, target: Vec3, i: usize) -> Ray {
     Ray { origin, t_min: t_min / length, direction: (target - origin) / distance * length, t_max: t_max / length }
 }
 
-/// Checks rays at a primitive, which deviates so much from the oracle's. Gives how many hit it from outside, from inside, and
-/// not at all.
+/// Checks rays at a primitive, which deviates so much from the oracle's. Gives how many hit it from outside, from
+/// inside, and not at all.
 fn check<P: RoundPrimitive>(
     primitive: &P,
     swept: &Swept,

@@ -291,7 +291,8 @@ impl Cache {
         self.mix(self.reading(), &self.weighting(self.stretch()), point, tilted)
     }
 
-    /// The same, where surfaces turn so much that no record is valid by the published angles, from those up to 45° away.
+    /// The same, where surfaces turn so much that no record is valid by the published angles, from those up to 45°
+    /// away.
     pub(crate) fn interpolate_wide(&self, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
         let strict = self.interpolate_tilted(point, tilted);
         strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), point, tilted))

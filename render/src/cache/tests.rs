@@ -237,8 +237,8 @@ fn merging_does_not_depend_on_the_order_and_keeps_common_records_once() {
     assert!(all.merge(foreign).unwrap_err().to_string().contains("another scene"));
 }
 
-/// Light that is linear in the normal, `4 + b·n`, on a sphere: its gradient is `n × b`. What records know of it is turned to
-/// where it is needed, by the record that is read as by the neighbours that it listens to.
+/// Light that is linear in the normal, `4 + b·n`, on a sphere: its gradient is `n × b`. What records know of it is
+/// turned to where it is needed, by the record that is read as by the neighbours that it listens to.
 #[test]
 fn rotational_gradients_turn_what_neighbours_say() {
     let direction = vec3(1.0, 2.0, -1.5);
@@ -275,8 +275,8 @@ fn rotational_gradients_turn_what_neighbours_say() {
     assert!(rotation < 0.3 * off && both < 0.5 * off, "off {off}, rotation {rotation}, both {both}");
 }
 
-/// A normal that a map tilts sees the horizon: of uniform light `(1 + cos) / 2` is left. The surface's own normal says which
-/// records are valid.
+/// A normal that a map tilts sees the horizon: of uniform light `(1 + cos) / 2` is left. The surface's own normal says
+/// which records are valid.
 #[test]
 fn maps_tilt_what_records_say() {
     let mut cache = Cache::new(options(), SCENE);
@@ -297,7 +297,8 @@ fn maps_tilt_what_records_say() {
     assert_eq!(sided.tilt(Vec3::ZERO, Vec3::Z, tilted, false), Vec3::ZERO);
 }
 
-/// Records 20° apart around a thin column are valid nowhere between by the published angles, and say the right thing anyway.
+/// Records 20° apart around a thin column are valid nowhere between by the published angles, and say the right thing
+/// anyway.
 #[test]
 fn thin_columns_are_read_between_their_records() {
     const RADIUS: f32 = 0.05;

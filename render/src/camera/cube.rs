@@ -1,7 +1,7 @@
 //! The six faces of a cube side by side, in the order and the orientation of the cube maps' [`Face`].
 //!
-//! The cube's +x is the camera's right, +y its up, +z its view. So a camera that looks along -z with +y up has the faces of a
-//! cube map with Bevy's axes.
+//! The cube's +x is the camera's right, +y its up, +z its view. So a camera that looks along -z with +y up has the
+//! faces of a cube map with Bevy's axes.
 
 use glam::DVec3;
 

@@ -1,13 +1,14 @@
 //! Perspective and orthographic cameras: a plane before the eye, and a lens.
 //!
-//! A point `(x, y)` of the film, in pixels from its top left corner, stands for the point
-//! `right * (2 x / width - 1) tan(v/2) width / height + up * (1 - 2 y / height) tan(v/2)` of the plane at distance one, with `v`
-//! the vertical field of view; an orthographic camera has half its height in place of `tan(v/2)`. A shift moves the plane.
+//! A point `(x, y)` of the film, in pixels from its top left corner, stands for the point `right * (2 x / width - 1)
+//! tan(v/2) width / height + up * (1 - 2 y / height) tan(v/2)` of the plane at distance one, with `v` the vertical
+//! field of view; an orthographic camera has half its height in place of `tan(v/2)`. A shift moves the plane.
 //!
 //! A thin lens sends all rays of a point of the film to where the ray through the lens's middle meets the plane that is
-//! sharp. The field of view does not change with the focus: the distance from lens to film counts as the focal length `f`,
-//! so that a point at depth `z` becomes a disc of the diameter `c = A f / s · |z - s| / z` on the film, with the aperture `A` and
-//! the sharp plane at `s`. (Real lenses that focus by moving have `f / (s - f)`: the picture grows as the focus comes near.)
+//! sharp. The field of view does not change with the focus: the distance from lens to film counts as the focal length
+//! `f`, so that a point at depth `z` becomes a disc of the diameter `c = A f / s · |z - s| / z` on the film, with the
+//! aperture `A` and the sharp plane at `s`. (Real lenses that focus by moving have `f / (s - f)`: the picture grows as
+//! the focus comes near.)
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 5.2.3.
 
@@ -43,8 +44,8 @@ pub(super) struct LensPlane {
 }
 
 impl Plane {
-    /// The plane whose visible half height, at distance one if rays are not parallel, is `half_height`. `shift` is in parts of
-    /// the film's longer side.
+    /// The plane whose visible half height, at distance one if rays are not parallel, is `half_height`. `shift` is in
+    /// parts of the film's longer side.
     pub(super) fn new(
         basis: &Basis,
         half_height: f64,

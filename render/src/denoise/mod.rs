@@ -122,9 +122,9 @@ impl Method {
         })
     }
 
-    /// The picture with `R`, `G` and `B` denoised, and the noisy ones as `Noisy.R`, `Noisy.G` and `Noisy.B`; other channels
-    /// stay as they are. Works on the threads of the current rayon pool. Gives how many values of colours were not numbers
-    /// besides, which count as black.
+    /// The picture with `R`, `G` and `B` denoised, and the noisy ones as `Noisy.R`, `Noisy.G` and `Noisy.B`; other
+    /// channels stay as they are. Works on the threads of the current rayon pool. Gives how many values of colours were
+    /// not numbers besides, which count as black.
     ///
     /// # Errors
     /// The errors of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.

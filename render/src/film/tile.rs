@@ -31,8 +31,8 @@ pub(crate) struct FirstHit {
     pub sample: u32,
     /// Along the view of a flat camera, from the eye of others; [`NO_DEPTH`](Self::NO_DEPTH) where nothing is hit.
     pub depth: f32,
-    /// Numbers of the object, the material, the triangle in the object, and the instance, from 1; 0 where nothing is hit, or
-    /// what is in no instance.
+    /// Numbers of the object, the material, the triangle in the object, and the instance, from 1; 0 where nothing is
+    /// hit, or what is in no instance.
     pub ids: [u32; 4],
     /// How many pixels what is hit moves to the right and up while the shutter is open.
     pub motion: [f32; 2],
@@ -198,8 +198,8 @@ impl Tile {
         }
     }
 
-    /// Adds what AOVs by light path expressions have of a sample that is [added](Self::add); nothing of one that is not a
-    /// number.
+    /// Adds what AOVs by light path expressions have of a sample that is [added](Self::add); nothing of one that is not
+    /// a number.
     pub(crate) fn add_light(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3, light: &[Vec3]) {
         if !radiance.is_finite() {
             return;

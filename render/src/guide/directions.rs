@@ -1,8 +1,8 @@
 //! Distributions of directions: quadtrees over a square that stands for the sphere.
 //!
 //! A square's first coordinate is the cosine with the axis that surfaces of the cell face, so that it keeps areas; the
-//! second is the angle about that axis, by `y / (|x| + |y|)` in each quadrant: no trigonometry, and a density that differs
-//! from an even one by a factor of two at most.
+//! second is the angle about that axis, by `y / (|x| + |y|)` in each quadrant: no trigonometry, and a density that
+//! differs from an even one by a factor of two at most.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -36,8 +36,8 @@ pub(super) struct DirectionTrees {
     nodes: Vec<Node>,
 }
 
-/// A square that is cut into four: the parts of its light that these have, and the numbers of their nodes; 0 for one that
-/// is not cut.
+/// A square that is cut into four: the parts of its light that these have, and the numbers of their nodes; 0 for one
+/// that is not cut.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     parts: [f32; 4],
@@ -45,8 +45,8 @@ struct Node {
 }
 
 impl DirectionTrees {
-    /// Adds the tree of these bounces, of which one has found light at least; gives its index. They are put into another
-    /// order.
+    /// Adds the tree of these bounces, of which one has found light at least; gives its index. They are put into
+    /// another order.
     pub(super) fn add(&mut self, samples: &mut [Weighted]) -> u32 {
         let total = samples.iter().map(|(_, light)| light).sum();
         let tree = self.cut(samples, total, 0);

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! So `|` joins the items right before and behind it alone. A letter outside of `<>` is an event with that kind or
-//! scattering, a label one with that first label. Labels may stand between `"` too. `?` is not in Open Shading Language,
-//! and neither are errors for symbols where they can mean nothing, as in `<DR>`.
+//! scattering, a label one with that first label. Labels may stand between `"` too. `?` is not in Open Shading
+//! Language, and neither are errors for symbols where they can mean nothing, as in `<DR>`.
 
 mod inside;
 

@@ -38,8 +38,8 @@ pub struct PathOptions {
     pub lights: LightSampling,
     /// The stopping rule before [`max_depth`](Self::max_depth).
     pub stop: Stop,
-    /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
-    /// brighter is scaled down. More than 0. It removes fireflies, and light.
+    /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what
+    /// is brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
     /// Path guiding: the number of paths, 1024 to 8,388,608, for training before the picture; `None` to sample closures
     /// alone. It pays where light enters through a narrow opening; the picture's mean does not depend on it.

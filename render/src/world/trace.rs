@@ -13,7 +13,8 @@ use super::{Hit, World};
 const CHUNK: usize = 1024;
 
 impl World {
-    /// The nearest hit of each ray in the middle of the shutter's time, [`Hit::MISS`] for none. Rays pass through holes.
+    /// The nearest hit of each ray in the middle of the shutter's time, [`Hit::MISS`] for none. Rays pass through
+    /// holes.
     pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.intersect_many_at(rays, &[], hits);
     }

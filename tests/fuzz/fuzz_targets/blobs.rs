@@ -1,5 +1,6 @@
-//! Blobs of any bytes, and blobs that were right before bytes of theirs were changed, with the right checksum nevertheless:
-//! refused, or traced to the hits of the triangles that they hold. Blobs of scenes likewise, against the loops.
+//! Blobs of any bytes, and blobs that were right before bytes of theirs were changed, with the right checksum
+//! nevertheless: refused, or traced to the hits of the triangles that they hold. Blobs of scenes likewise, against the
+//! loops.
 #![no_main]
 
 use std::sync::{Arc, LazyLock};

@@ -168,8 +168,8 @@ fn has_corners([a, b, c]: &Triangle) -> bool {
     a != b && b != c && c != a
 }
 
-/// A ray to a corner, an edge, a face or past it, from afar, from nearby or from another triangle's corner, aslant, along
-/// an axis or a diagonal.
+/// A ray to a corner, an edge, a face or past it, from afar, from nearby or from another triangle's corner, aslant,
+/// along an axis or a diagonal.
 fn ray(random: &mut Pcg, triangles: &[Triangle]) -> Ray {
     let Some(triangle) = triangles.get(random.below(triangles.len().max(1))) else {
         return Ray::new(random.in_cube().as_vec3(), random.on_sphere().as_vec3());

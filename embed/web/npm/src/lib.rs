@@ -81,8 +81,8 @@ pub extern "C" fn positions(count: usize) -> *mut f32 {
     })
 }
 
-/// Room for `count` numbers of vertices, three for each triangle: its address, or 0. After the positions; a mesh that has no indices
-/// does not ask.
+/// Room for `count` numbers of vertices, three for each triangle: its address, or 0. After the positions; a mesh that
+/// has no indices does not ask.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn indices(count: usize) -> *mut u32 {
     STATE.with_borrow_mut(|state| room(state.indices.get_or_insert_default(), count, 0))
@@ -138,8 +138,8 @@ pub extern "C" fn add_mesh(quality: usize) -> i32 {
         .unwrap_or(-1)
 }
 
-/// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was when the
-/// tree was built; -1 if the triangles are not those of the tree, or if it is one that changes its shape.
+/// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was
+/// when the tree was built; -1 if the triangles are not those of the tree, or if it is one that changes its shape.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn refit(number: usize) -> f32 {
     STATE
@@ -190,7 +190,8 @@ pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
     })
 }
 
-/// Traces `count` of the rays until they hit anything of a mesh. Gives the address of a byte for each: 1 if it does, else 0.
+/// Traces `count` of the rays until they hit anything of a mesh. Gives the address of a byte for each: 1 if it does,
+/// else 0.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -204,8 +205,8 @@ pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
     })
 }
 
-/// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to the end
-/// of each ray's, and behind that of what `Answer` says.
+/// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to
+/// the end of each ray's, and behind that of what `Answer` says.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -223,8 +224,8 @@ pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32
     })
 }
 
-/// Finds what of a mesh is closest to `count` of the points. Gives the address of what `Answer` says, with distances for `t`,
-/// and behind that three coordinates for each.
+/// Finds what of a mesh is closest to `count` of the points. Gives the address of what `Answer` says, with distances
+/// for `t`, and behind that three coordinates for each.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {

@@ -51,7 +51,8 @@ impl Chart for Cap {
     fn coordinates(p: Vec3) -> [f32; 3] {
         p.to_array()
     }
-    // With z² for z: beside the horizon the cosine maps' z is a root, which rounding of u moves by far more than x and y.
+    // With z² for z: beside the horizon the cosine maps' z is a root, which rounding of u moves by far more than x and
+    // y.
     fn distance(a: Vec3, b: Vec3) -> f32 {
         let flat = |p: Vec3| Vec3::new(p.x, p.y, p.z * p.z.abs());
         flat(a).distance(flat(b))

@@ -99,7 +99,8 @@ impl<'a> SceneBlob<'a> {
 }
 
 impl SceneView<'_> {
-    /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with `options`.
+    /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with
+    /// `options`.
     ///
     /// # Errors
     /// The errors of `Scene::to_bytes`.

@@ -46,7 +46,8 @@ fn inner() -> Scene<'static> {
     Scene::build(items, &Quality::Fast.into()).unwrap().0
 }
 
-/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, a scene three times, points and curves.
+/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, a scene three times, points and
+/// curves.
 fn town() -> Scene<'static> {
     let mut random = Random(3);
     let from = soup(&mut random, 9, 0.5);

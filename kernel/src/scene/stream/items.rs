@@ -41,8 +41,8 @@ impl<'a, A: Answers> SceneStream<'a, A> {
         self.finish(crowded);
     }
 
-    /// The item of the box at this index of the tree, if the ray sees it and it is made of triangles: its index, where the triangles
-    /// are at the ray's time, and the ray in its space.
+    /// The item of the box at this index of the tree, if the ray sees it and it is made of triangles: its index, where
+    /// the triangles are at the ray's time, and the ray in its space.
     #[inline(always)]
     fn mesh(&self, index: u32, SceneRay { ray, time, mask }: &SceneRay) -> Option<(u32, MeshAt<'a>, Ray)> {
         let (part, item) = self.scene.item_of(index)?;

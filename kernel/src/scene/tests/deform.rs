@@ -1,4 +1,5 @@
-//! Meshes that deform while a scene uses them: two trees in turn, of which one is in the scene and the other is refitted.
+//! Meshes that deform while a scene uses them: two trees in turn, of which one is in the scene and the other is
+//! refitted.
 
 use alloc::sync::Arc;
 

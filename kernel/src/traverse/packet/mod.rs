@@ -1,8 +1,9 @@
 //! Packets of rays, traced together as [`CoherentPacket`]s.
 //!
-//! Rays are coherent if their directions are in the same octant and have the same fastest axis: then they enter boxes through the
-//! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is traced in as
-//! many parts as it has such classes of directions; rays that are alone, or whose `t_min` is negative, are traced one by one.
+//! Rays are coherent if their directions are in the same octant and have the same fastest axis: then they enter boxes
+//! through the same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is
+//! traced in as many parts as it has such classes of directions; rays that are alone, or whose `t_min` is negative, are
+//! traced one by one.
 
 mod coherent;
 pub(super) mod gather;

@@ -10,8 +10,8 @@ use crate::traverse::single::round;
 use crate::traverse::{TraversalStack, reference};
 
 impl RoundBvhView<'_> {
-    /// The nearest hit of `ray`; among equally near ones that of the lowest `prim_id`. Which crossings with a primitive count,
-    /// [`round`](crate::geometry::round) says.
+    /// The nearest hit of `ray`; among equally near ones that of the lowest `prim_id`. Which crossings with a primitive
+    /// count, [`round`](crate::geometry::round) says.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.trace(ray, ClosestHit { best: Hit::none_before(ray.t_max) }).best.found()
     }

@@ -1,5 +1,5 @@
-//! Walks through trees of points and curves. The margins of a block's eight primitives are computed in lanes; which of the few
-//! that are near are hit, and where, the scalar definition says.
+//! Walks through trees of points and curves. The margins of a block's eight primitives are computed in lanes; which of
+//! the few that are near are hit, and where, the scalar definition says.
 
 use core::ops::{ControlFlow, Range};
 

@@ -1,5 +1,5 @@
-//! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
-//! its own.
+//! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a
+//! ray of its own.
 
 use super::Trees;
 use super::active::ActiveRay;
@@ -28,8 +28,8 @@ impl Candidates {
         self.len > ROOM
     }
 
-    /// Adds the triangles of a block that the active ray of this index may hit. If there is [no room](Self::is_full), they
-    /// are lost.
+    /// Adds the triangles of a block that the active ray of this index may hit. If there is [no room](Self::is_full),
+    /// they are lost.
     #[inline(always)]
     pub(super) fn collect<S: Simd>(&mut self, ray: &ActiveRay, ray_index: u8, block: u32, blocks: &[TriangleBlock]) {
         if let Some(rows) = blocks.get(block as usize) {

@@ -2,9 +2,9 @@
 //! fastest along the same axis, which then meet the leaf's triangles together, a lane each (queues of rays at places of
 //! the scene: Pharr, Kolb, Gershbein and Hanrahan 1997).
 //!
-//! So small a tree stays in the first-level cache, and there is no latency to hide; what a stream does for each ray alone,
-//! its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are looked up in
-//! their block's own lanes.
+//! So small a tree stays in the first-level cache, and there is no latency to hide; what a stream does for each ray
+//! alone, its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are
+//! looked up in their block's own lanes.
 
 use core::hint::select_unpredictable;
 
@@ -31,8 +31,8 @@ pub(in crate::traverse) fn suit(tree: &BvhView) -> bool {
     tree.nodes().len() == 1 && tree.blocks().len() <= MAX_BLOCKS
 }
 
-/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
-/// has a single node.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The
+/// tree has a single node.
 #[inline(always)]
 pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
     tree: &BvhView,
@@ -118,8 +118,8 @@ impl Queues {
         self.full |= u64::from(len + 1 >= WIDTH as u8) << queue;
     }
 
-    /// Takes groups from full queues, as many as there are and as there is room for; if none is full, one from the longest.
-    /// Gives their number, which is 0 if all queues are empty.
+    /// Takes groups from full queues, as many as there are and as there is room for; if none is full, one from the
+    /// longest. Gives their number, which is 0 if all queues are empty.
     #[inline(always)]
     fn take_round(&mut self, round: &mut [Group; ROUND]) -> usize {
         let Some(mut queue) = self.next() else { return 0 };
@@ -188,8 +188,8 @@ impl Waiting {
         heights: [0; RAYS],
     };
 
-    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`: at
-    /// most eight.
+    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`:
+    /// at most eight.
     #[inline(always)]
     fn start<const ANY: bool, S: Simd>(
         &mut self,

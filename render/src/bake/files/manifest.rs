@@ -72,8 +72,8 @@ pub struct PageEntry {
 /// The source of a page's light.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DirectionalEntry {
-    /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those of
-    /// `sh`, which have signs, are coefficients of radiance.
+    /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those
+    /// of `sh`, which have signs, are coefficients of radiance.
     pub file: String,
     /// The names of its layers, as [`Layer::name`](crate::bake::Layer::name) has them.
     pub layers: Vec<String>,

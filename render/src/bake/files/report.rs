@@ -1,7 +1,7 @@
 //! The HTML report of a bake.
 //!
-//! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
-//! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
+//! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache
+//! put its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
 
 use std::path::Path;
 

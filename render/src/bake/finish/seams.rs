@@ -28,7 +28,8 @@ const DARKEST: f64 = 1e-4;
 const NOISE: f64 = 4.0;
 /// So are all up to this: a cache's noise is as smooth as light itself.
 const MIN_STEP: f64 = 0.05;
-/// None above this is: what a chart's noise says is wrong where light changes within a few texels, or where there is none.
+/// None above this is: what a chart's noise says is wrong where light changes within a few texels, or where there is
+/// none.
 const MAX_STEP: f64 = 0.25;
 /// Second differences that a chart must have to know its noise.
 const MIN_DIFFERENCES: usize = 16;

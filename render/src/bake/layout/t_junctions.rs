@@ -1,7 +1,8 @@
-//! T-junctions: corners that lie in the middle of another triangle's side, as where pieces of a level of different sizes meet.
+//! T-junctions: corners that lie in the middle of another triangle's side, as where pieces of a level of different
+//! sizes meet.
 //!
-//! A corner lies on a side if it is as close as the rounding of the side's ends allows. Pieces of a side between such corners
-//! end at the corners themselves, so that pieces that lie on one another have ends that are equal bit for bit.
+//! A corner lies on a side if it is as close as the rounding of the side's ends allows. Pieces of a side between such
+//! corners end at the corners themselves, so that pieces that lie on one another have ends that are equal bit for bit.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,8 +12,8 @@ use crate::scene::key;
 /// How far from a side a corner may be, over the greatest coordinate of the side's ends: some units in the last place.
 const SLACK: f64 = 8.0 * f32::EPSILON as f64;
 
-/// For each of `sides` the ends of others that lie between its own ends, from its start on: how far from the start, as a part
-/// of its length, and the point.
+/// For each of `sides` the ends of others that lie between its own ends, from its start on: how far from the start, as
+/// a part of its length, and the point.
 pub(super) fn corners_on(sides: &[[Vec3; 2]]) -> Vec<Vec<(f64, Vec3)>> {
     let mut corners: Vec<Vec3> = sides.iter().flatten().copied().collect();
     corners.sort_unstable_by_key(|corner| key(*corner));

@@ -46,8 +46,8 @@ const MARGIN: f64 = 0.01;
 /// A texel that its chart covers up to this part is not at the border.
 const COVERED: f64 = 0.999;
 
-/// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie behind
-/// the next wall by rounding.
+/// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie
+/// behind the next wall by rounding.
 pub(super) const MIN_COVERAGE: f32 = 0.02;
 
 /// A piece of a triangle in a texel.

@@ -1,8 +1,8 @@
 //! New texture coordinates, by the crate `uvunwrap`: charts grown by normals, flattened by least squares conformal maps
 //! (Lévy et al. 2002) and packed by their shapes. The result does not depend on threads or the machine.
 //!
-//! Creases are borders of charts, for light changes abruptly there and a map's filter must not mix both sides. A mesh stays on
-//! one page if it fits, as engines give a mesh one map.
+//! Creases are borders of charts, for light changes abruptly there and a map's filter must not mix both sides. A mesh
+//! stays on one page if it fits, as engines give a mesh one map.
 
 use std::collections::HashMap;
 

@@ -1,8 +1,8 @@
 //! The points of a texel at which a bake samples direct light: spread over the texel, so that the edge of a shadow
 //! across it is as soft as the texel is wide.
 //!
-//! Points on other triangles than the texel's own are left out, and so are points occluded from the texel's own point: a
-//! floor continues under a crate, where it is dark.
+//! Points on other triangles than the texel's own are left out, and so are points occluded from the texel's own point:
+//! a floor continues under a crate, where it is dark.
 
 use halfdome_kernel::Ray;
 

@@ -26,8 +26,8 @@ const POINTS: u32 = 32;
 const MAX_VIEWPOINTS: usize = 32;
 
 impl LeftOut {
-    /// What cannot be seen from inside of the world that is made of `scene`. Inside is what can be reached from `positions`, or, if
-    /// there are none, from anywhere in front of a surface.
+    /// What cannot be seen from inside of the world that is made of `scene`. Inside is what can be reached from
+    /// `positions`, or, if there are none, from anywhere in front of a surface.
     ///
     /// # Errors
     /// If no position is inside.

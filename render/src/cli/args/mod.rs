@@ -132,7 +132,8 @@ pub(crate) struct CommonArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct InfoArguments {
-    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), `cornell` for the built-in scene, or a tree (.bvh)
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), `cornell` for the built-in scene, or a tree
+    /// (.bvh)
     pub(crate) scene: PathBuf,
 
     /// Print JSON instead of a table

@@ -3,14 +3,14 @@
 //! Weights that keep single bright samples from their neighbours also keep their light. Where light comes in few bright
 //! samples, most of it would be lost: a third at frosted glass with 16 samples a pixel.
 //!
-//! The residual `q = (noisy - denoised) / s` has a mean of 0 if nothing is lost. Its mean `m` over square cells, from the
-//! whole picture down to cells of 16 pixels, each level of what the levels before have left, is taken as lost light as far as
-//! it is larger than its standard error: `m max(0, 1 - e²/m²)`. It is interpolated between the centres of cells, and pixels
-//! get the sum over levels times their `s`: their brightness, with less for what is brighter than a few times the mean, as
-//! lamps lose nothing of their own.
+//! The residual `q = (noisy - denoised) / s` has a mean of 0 if nothing is lost. Its mean `m` over square cells, from
+//! the whole picture down to cells of 16 pixels, each level of what the levels before have left, is taken as lost light
+//! as far as it is larger than its standard error: `m max(0, 1 - e²/m²)`. It is interpolated between the centres of
+//! cells, and pixels get the sum over levels times their `s`: their brightness, with less for what is brighter than a
+//! few times the mean, as lamps lose nothing of their own.
 //!
-//! A cell that has few bright samples by chance would also have a small standard error; so the variance of a pixel is taken
-//! as at least that in the cell of the level before.
+//! A cell that has few bright samples by chance would also have a small standard error; so the variance of a pixel is
+//! taken as at least that in the cell of the level before.
 //!
 //! Source: shrinkage by James and Stein, "Estimation with Quadratic Loss", 1961, at each level of a pyramid.
 

@@ -58,8 +58,8 @@ impl Shutter {
 impl Motion {
     /// The time at which `u` in [0, 1) of the light has come through the shutter. It opens and closes at an even rate.
     ///
-    /// With `r` for the ramp the openness rises to 1 from 0 to `r`, and the light that has come through by the time `t` is
-    /// `t² / 2r` there, then `t - r/2`, all over `1 - r`.
+    /// With `r` for the ramp the openness rises to 1 from 0 to `r`, and the light that has come through by the time `t`
+    /// is `t² / 2r` there, then `t - r/2`, all over `1 - r`.
     pub(crate) fn time(&self, u: f32) -> f32 {
         let ramp = self.ramp;
         let rising = |light: f32| match light < 0.5 * ramp {

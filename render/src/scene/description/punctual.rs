@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use crate::scene::{Profile, ProfileFrame};
 
-/// A light that has no triangles and stops no ray. The camera itself does not see it; mirrors, gloss and glass show one of a
-/// size. It shines through panes of glass. Intensities are per linear sRGB channel.
+/// A light that has no triangles and stops no ray. The camera itself does not see it; mirrors, gloss and glass show one
+/// of a size. It shines through panes of glass. Intensities are per linear sRGB channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PunctualLight {
     /// Shines alike in every direction.

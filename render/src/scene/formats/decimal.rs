@@ -22,8 +22,8 @@ pub(super) fn parse(word: &[u8]) -> Option<f32> {
     }
 }
 
-/// The number that `text` begins with, and its length, if it is one of the many that are quick to read. What follows may
-/// belong to it.
+/// The number that `text` begins with, and its length, if it is one of the many that are quick to read. What follows
+/// may belong to it.
 pub(super) fn prefix(text: &[u8]) -> Option<(f32, usize)> {
     let is_negative = text.first() == Some(&b'-');
     let begin = usize::from(matches!(text.first(), Some(b'-' | b'+')));

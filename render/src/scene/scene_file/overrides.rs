@@ -58,8 +58,8 @@ options! {
         #[arg(value_name = "PIXELS", help_heading = "Film")]
         #[arg(allow_negative_numbers = true)]
         height: u32 = value::side, in "film";
-        /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness [default:
-        /// box]
+        /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness
+        /// [default: box]
         #[arg(value_name = "NAME", help_heading = "Film")]
         filter: String = value::filter, in "film";
         /// Full width of the filter in pixels [default: depends on the filter]
@@ -84,7 +84,8 @@ options! {
         /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
         #[arg(value_name = "QUALITY", help_heading = "Render")]
         build: Quality = value::quality, in "render";
-        /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA and HalfB
+        /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA
+        /// and HalfB
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov: bool = value::flag, in "film";

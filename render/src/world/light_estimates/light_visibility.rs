@@ -39,8 +39,8 @@ impl World {
         self.lights.set_visibility(&directional, sky, open);
     }
 
-    /// The part of the points that are lit from the direction beside each, among those whose front it is on; `rest` is that of a
-    /// ray that anything may block.
+    /// The part of the points that are lit from the direction beside each, among those whose front it is on; `rest` is
+    /// that of a ray that anything may block.
     fn reached<'a>(
         &self,
         directions: impl Iterator<Item = (&'a Surface<'a>, glam::Vec3)>,

@@ -172,7 +172,8 @@ mod tests {
         fixtures::ball([8, 12])
     }
 
-    /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if `placed` says so.
+    /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if
+    /// `placed` says so.
     fn world(mesh: Mesh, material: Material, placed: Option<Affine3A>) -> World {
         let mesh = Mesh { object: placed.map(|_| 0), ..mesh };
         let mut scene = Scene {

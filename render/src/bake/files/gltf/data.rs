@@ -1,6 +1,7 @@
 //! New binary data of a file: bytes, the views of them, and accessors.
 //!
-//! In a GLB container they are put behind the chunk that is there; otherwise they become one more buffer, in a data URI.
+//! In a GLB container they are put behind the chunk that is there; otherwise they become one more buffer, in a data
+//! URI.
 
 use ::gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use ::gltf::json::validation::Checked;

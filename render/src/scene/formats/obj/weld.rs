@@ -23,8 +23,8 @@ impl Run {
     }
 }
 
-/// The vertices of a run: for each position a list of those that are there. Corners of all four meshes of a run differ in
-/// what they leave out, so that one table serves them.
+/// The vertices of a run: for each position a list of those that are there. Corners of all four meshes of a run differ
+/// in what they leave out, so that one table serves them.
 pub(super) struct Vertices {
     /// The first of each position's list, or [`NONE`].
     first: Vec<u32>,

@@ -4,8 +4,8 @@
 //! left-handed unless the camera's transform mirrors (`Scale -1 1 1`). Coordinates are right-handed here: where the
 //! transform does not mirror, the world's x is negated, so that pictures match pbrt's.
 //!
-//! `fov` is of the shorter side. A `screenwindow` may be anywhere and of any shape: it gives the lens's shift, the height
-//! of the view and the picture's aspect.
+//! `fov` is of the shorter side. A `screenwindow` may be anywhere and of any shape: it gives the lens's shift, the
+//! height of the view and the picture's aspect.
 
 use glam::{DAffine3, DVec3, Vec2};
 

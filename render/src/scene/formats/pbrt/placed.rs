@@ -1,7 +1,7 @@
 //! From shapes to meshes of the scene: their transforms, objects, instances and materials.
 //!
-//! Names of materials and objects may be used before they are defined, so meshes get their materials when all is read: a
-//! material of the file may become several, with and without emission and holes.
+//! Names of materials and objects may be used before they are defined, so meshes get their materials when all is read:
+//! a material of the file may become several, with and without emission and holes.
 
 use std::collections::BTreeMap;
 

@@ -3,8 +3,8 @@
 use super::{Reading, Value, expected};
 use crate::scene::Shutter;
 
-/// When the shutter opens and closes: two numbers of frames, or with an `s` behind of seconds; or one, the length of the
-/// time about the frame.
+/// When the shutter opens and closes: two numbers of frames, or with an `s` behind of seconds; or one, the length of
+/// the time about the frame.
 pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
     const WHAT: &str = "when the shutter opens and closes, as -0.25,0.25 in frames or 0s,0.01s in seconds, or how many frames \
                         it is open, as 0.5; it closes after it opens";
