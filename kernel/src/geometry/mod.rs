@@ -25,6 +25,7 @@
 //! and add in the nodes' test.
 
 mod aabb;
+pub(crate) mod box_lanes;
 pub(crate) mod bundle;
 pub(crate) mod closest;
 mod fault;
@@ -38,6 +39,7 @@ mod reference;
 pub mod round;
 pub(crate) mod setup;
 pub(crate) mod setup_lanes;
+pub(crate) mod setup_rows;
 mod side;
 pub(crate) mod triangle;
 

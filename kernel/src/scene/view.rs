@@ -65,7 +65,7 @@ impl SceneSummary {
         let (mut summary, mut errors) = (Self::NOTHING, Errors::NONE);
         for (index, item) in items.iter_mut().enumerate() {
             item.first_path = summary.first_path();
-            summary.add(index, &item.facts(), &mut errors)?;
+            summary.add(index, &item.summary(), &mut errors)?;
         }
         summary.finish(&errors);
         Ok(summary)

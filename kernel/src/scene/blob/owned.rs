@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use bytemuck::bytes_of;
 
-use super::layout::block_parts;
+use super::layout::{NOTHING, block_parts};
 use super::*;
 use crate::bvh::blob_header::{BYTE_ORDER, checksum};
 use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, RoundBvh, Serial};
@@ -156,8 +156,8 @@ impl Writer {
                 Target::Shape(_) => return Err(InvalidScene::NotSerializable { item: index, depth }.into()),
             });
         }
-        let facts: Vec<ItemSummary> = items.iter().map(Item::facts).collect();
-        let (top, _) = TopLevel::build(&Serial, (items, &facts), scene.summary(), &self.options)?;
+        let summaries: Vec<ItemSummary> = items.iter().map(Item::summary).collect();
+        let (top, _) = TopLevel::build(&Serial, (items, &summaries), scene.summary(), &self.options)?;
         let tree = top.tree.view();
         let mut record = SceneRecord {
             first_item: to_u32(self.items.len())?,

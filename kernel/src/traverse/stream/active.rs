@@ -3,7 +3,7 @@
 use super::NONE;
 use crate::bvh::{Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::Hit;
-use crate::geometry::setup_lanes::{FORWARD, SetupRows};
+use crate::geometry::setup_rows::{FORWARD, SetupRows};
 use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{CompressChildren, Lanes, Simd};
 use crate::traverse::collector::ClosestHit;

@@ -17,7 +17,8 @@ pub(crate) use active::ActiveRay;
 use candidates::Candidates;
 
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup_lanes::{SetupLanes, SetupRows};
+use crate::geometry::setup_lanes::SetupLanes;
+use crate::geometry::setup_rows::SetupRows;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Simd};
 use crate::traverse::node_test::{intersect_children, prefetch_of};
