@@ -12,15 +12,14 @@ use winit::keyboard::{Key, ModifiersState, NamedKey};
 use winit::window::WindowId;
 
 use crate::cli::error::{CliError, EXIT_DONE};
-use crate::view::{self, Command, Screen, Session, panel_width};
+use crate::view::{self, Command, Screen, Session, ZOOM_STEP, panel_width};
 
 /// Radians for a drag across the picture.
 const TURN: f64 = 3.0;
 /// Pixels that a hand moves which only clicks.
 const STILL: f64 = 4.0;
-/// Pixels of a wheel's step, and what a step leaves of the distance.
+/// Pixels of a wheel's step.
 const WHEEL: f64 = 20.0;
-const CLOSER: f64 = 0.9;
 /// Lines of text for a wheel's step.
 const LINES: f64 = 3.0;
 /// The least height, for the text, and the greatest size that a window has at first.
@@ -154,7 +153,7 @@ impl ApplicationHandler for Shown {
                 };
                 self.apply(match self.is_on_panel() {
                     true => Command::Scroll(-(steps * LINES).round() as isize),
-                    false => Command::Zoom(CLOSER.powf(steps)),
+                    false => Command::Zoom(ZOOM_STEP.powf(steps)),
                 });
             }
             _ => {}
