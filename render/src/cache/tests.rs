@@ -3,7 +3,7 @@
 mod files;
 
 use super::*;
-use glam::vec3;
+use glam::{Vec3, vec3};
 use halfdome_kernel::sampling::Stream;
 
 const SCENE: u64 = 0x1234_5678_9abc_def0;
