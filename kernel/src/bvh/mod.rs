@@ -76,6 +76,7 @@ pub use lookup::TriangleIndex;
 #[cfg(any(feature = "alloc", test))]
 pub use moving::MovingBvh;
 pub use moving_view::MovingBvhView;
+pub(crate) use node::SLOTS_IN_ORDER;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality, UnknownQuality};

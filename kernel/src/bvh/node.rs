@@ -126,7 +126,7 @@ impl Child {
 }
 
 /// The slots from 0 to 7, three bits each.
-const SLOTS_IN_ORDER: u32 = 0o76543210;
+pub(crate) const SLOTS_IN_ORDER: u32 = 0o76543210;
 
 impl Node {
     /// A node without children.

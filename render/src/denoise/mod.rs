@@ -12,7 +12,7 @@ mod oidn;
 use std::fmt;
 
 use self::channels::{Channels, Rgb};
-use crate::film::{Channel, Picture};
+use crate::film::{COLORS, Channel, Picture};
 use crate::watch::Watch;
 
 #[cfg(feature = "oidn")]
@@ -144,7 +144,6 @@ impl Method {
 /// Bytes of a pixel in [`Channels`].
 const CHANNEL_BYTES: u64 = 4 * (3 + 6 + 3 + 9);
 
-const COLORS: [&str; 3] = ["R", "G", "B"];
 const NOISY: [&str; 3] = ["Noisy.R", "Noisy.G", "Noisy.B"];
 const HALVES: [&str; 6] = ["HalfA.R", "HalfA.G", "HalfA.B", "HalfB.R", "HalfB.G", "HalfB.B"];
 

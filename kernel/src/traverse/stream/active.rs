@@ -1,7 +1,7 @@
 //! A ray of a stream: what it needs at a visit, in whole cache lines, and its own short stack.
 
 use super::NONE;
-use crate::bvh::{Child, Node, TriangleBlock, WIDTH};
+use crate::bvh::{Child, Node, SLOTS_IN_ORDER, TriangleBlock, WIDTH};
 use crate::geometry::Hit;
 use crate::geometry::setup_rows::{FORWARD, SetupRows};
 use crate::geometry::triangle::{self, LineLanes};
@@ -12,9 +12,6 @@ use crate::traverse::node_test::{self, visit_octant};
 
 /// Entries of a ray's stack: enough for nearly all rays. One that needs more is traced by the single-ray intersector.
 const ROOM: usize = 32;
-
-/// The slots themselves, in order.
-const IN_ORDER: u32 = 0o76543210;
 
 /// An active ray: a cache line for the node test, one for the leaf test, and the stack, with [`NONE`] at its bottom.
 #[derive(Clone, Copy)]
@@ -167,7 +164,7 @@ impl ActiveRay {
             if let (Some(kept), Some(distances)) =
                 (self.children.0[to..].first_chunk_mut(), self.near.0[to..].first_chunk_mut())
             {
-                left += S::F8::compress(near, t_max, IN_ORDER, &children, kept, distances) as u8;
+                left += S::F8::compress(near, t_max, SLOTS_IN_ORDER, &children, kept, distances) as u8;
             }
             from = from.saturating_add(WIDTH as u8);
             if from >= height {

@@ -8,7 +8,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use crate::output::false_color;
-use crate::output::html::{Html, Plane, escaped, percentile};
+use crate::output::html::{Html, OUTSIDE, Plane, escaped, percentile};
 use crate::output::{OutputError, ToneMapping};
 
 /// The contents of the report.
@@ -45,8 +45,6 @@ pub struct ReportPage {
     pub error: Option<Vec<f32>>,
 }
 
-/// Texels outside of charts.
-const OUTSIDE: [u8; 3] = [24, 24, 28];
 /// A record, on dark charts.
 const RECORD: [u8; 3] = [255, 214, 64];
 

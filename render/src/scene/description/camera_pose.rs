@@ -20,6 +20,9 @@ pub struct CameraPose {
 const MIN_AHEAD: f64 = 1.0 / 16.0;
 
 impl CameraPose {
+    /// The vertical field of view of a camera without one, in degrees.
+    pub(crate) const DEFAULT_VFOV: f32 = 40.0;
+
     /// A camera that looks along a unit vector, at a target one unit ahead; far from the origin so far ahead that
     /// rounding of the two points does not turn the view by more than a millionth.
     pub(in crate::scene) fn along(eye: DVec3, forward: DVec3, up: DVec3, vfov: f32) -> Self {

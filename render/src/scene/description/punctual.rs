@@ -63,6 +63,9 @@ pub enum PunctualLight {
 }
 
 impl PunctualLight {
+    /// The largest radius, in metres: its square stays within 32 bits.
+    pub(crate) const MAX_RADIUS: f32 = 1e15;
+
     /// Its strength, and what gives its power if multiplied by it; of a directional light, which has none, the
     /// irradiance.
     pub(crate) fn power(&self) -> (Vec3, f64) {

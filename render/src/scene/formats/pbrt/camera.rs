@@ -26,9 +26,6 @@ pub(super) struct Camera {
     to_world: DAffine3,
 }
 
-/// Degrees, of an orthographic camera that an option makes a perspective one.
-const DEFAULT_VFOV: f32 = 40.0;
-
 impl Reader<'_> {
     /// `Camera`.
     pub(super) fn camera(&mut self, kind: &str, parameters: &Parameters) -> Result<(), SceneError> {
@@ -130,7 +127,7 @@ impl Reader<'_> {
         let (eye, linear) = (camera.to_world.translation, camera.to_world.matrix3);
         let [up, forward] = [linear * DVec3::Y, linear * DVec3::Z].map(|axis| axis.normalize_or_zero());
         let vfov = match camera.is_orthographic {
-            true => DEFAULT_VFOV,
+            true => CameraPose::DEFAULT_VFOV,
             false => 2.0 * (half_height * (0.5 * camera.fov).to_radians().tan()).atan().to_degrees(),
         };
         self.scene.camera = Some(CameraPose::along(eye, forward, up, vfov));

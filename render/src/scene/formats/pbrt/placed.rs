@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::{Affine3A, DAffine3, Vec3};
+use glam::{DAffine3, Vec3};
 
 use super::Reader;
 use super::lights::AreaLight;
@@ -173,7 +173,7 @@ impl Reader<'_> {
         for (number, object) in objects.into_iter().enumerate().filter(|(number, _)| is_shared[*number]) {
             numbers[number] = Some(self.scene.objects.len());
             let object_number = self.scene.objects.len();
-            let instance = |to_world: &DAffine3| Instance { object: object_number, to_world: single(to_world) };
+            let instance = |to_world: &DAffine3| Instance { object: object_number, to_world: to_world.as_affine3a() };
             self.scene.instances.extend(places[number].iter().map(instance));
             self.scene.objects.push(object);
         }
@@ -237,9 +237,4 @@ impl Reader<'_> {
         });
         Ok(())
     }
-}
-
-/// The transform in single precision.
-fn single(transform: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&transform.to_cols_array().map(|it| it as f32))
 }

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Reading, Value, expected};
-use crate::scene::{Daylight, DaylightModel, LightUnits};
+use crate::scene::{Daylight, DaylightModel, LightUnits, PunctualLight};
 
 /// Radiance: one number for all channels, or three.
 pub(crate) fn radiance(value: &Value) -> Reading<Vec3> {
@@ -24,7 +24,7 @@ pub(crate) fn scale(value: &Value) -> Reading<f32> {
 /// The radius of lights; 0 makes them delta lights.
 pub(crate) fn light_radius(value: &Value) -> Reading<f32> {
     match value.finite() {
-        Some(radius) if (0.0..=1e15).contains(&radius) => Ok(radius),
+        Some(radius) if (0.0..=PunctualLight::MAX_RADIUS).contains(&radius) => Ok(radius),
         _ => expected("a number from 0 (hard shadows) to 1e15"),
     }
 }
