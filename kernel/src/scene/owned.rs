@@ -14,6 +14,8 @@ use super::widening::Errors;
 use super::{Item, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
 use crate::error::Error;
+#[cfg(doc)]
+use crate::error::InvalidScene;
 use crate::geometry::Aabb;
 
 /// A scene that owns its list of items and their tree. The items' objects are borrowed or shared; where all are shared,
