@@ -1,8 +1,8 @@
 //! Times reading models: a wavy field with normals and texture coordinates as binary glTF, PLY in binary and in ASCII,
 //! and OBJ, on all threads. The result is compared with the written data.
 //!
-//! `cargo bench -p halfdome-benches --bench loading [-- --triangles N] [--rounds N]`. With `--test`, or without the `--bench`
-//! that `cargo bench` passes, everything is read once, untimed.
+//! `cargo bench -p halfdome-benches --bench loading [-- --triangles N] [--rounds N]`. With `--test`, or without the
+//! `--bench` that `cargo bench` passes, everything is read once, untimed.
 
 use std::fmt::Write as _;
 use std::path::Path;

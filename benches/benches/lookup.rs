@@ -1,5 +1,5 @@
-//! Times a lookup in irradiance caches of random records on the walls of a room, on one thread: at random points, and at
-//! points side by side, as those of a picture are.
+//! Times a lookup in irradiance caches of random records on the walls of a room, on one thread: at random points, and
+//! at points side by side, as those of a picture are.
 //!
 //! `cargo bench -p halfdome-benches --bench lookup [-- --rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes, everything runs once, untimed.

@@ -1,8 +1,8 @@
 //! Times points and curves: trees of spheres in blocks of eight beside the same spheres one by one as a custom shape,
 //! discs, and linear and cubic hairs.
 //!
-//! `cargo bench -p halfdome-benches --bench round -- [--rounds N]`. With `--test`, or without the `--bench` that `cargo bench`
-//! passes, everything runs once, untimed.
+//! `cargo bench -p halfdome-benches --bench round -- [--rounds N]`. With `--test`, or without the `--bench` that
+//! `cargo bench` passes, everything runs once, untimed.
 
 use clap::Parser;
 use glam::{Vec3, vec3};
@@ -59,7 +59,7 @@ fn main() -> Result<(), Error> {
 /// Times rays through a tree of primitives, and prints a line; gives how many hit.
 fn trace<P: RoundBuild>(name: &str, primitives: &[P], rays: &[SceneRay], rounds: u16) -> Result<usize, Error> {
     let (tree, _) = RoundBvh::build(primitives, &BuildOptions::default())?;
-    let bytes = tree.bytes() as f64 / primitives.len() as f64;
+    let bytes = tree.memory_bytes() as f64 / primitives.len() as f64;
     time(name, Item::new(tree.view()), bytes, rays, rounds)
 }
 

@@ -1,5 +1,5 @@
-//! Times scenes that change: all of 10,000 instances moved and committed, and frames of an engine, in which 100 objects move
-//! and 10,000 rays are traced, commit included.
+//! Times scenes that change: all of 10,000 instances moved and committed, and frames of an engine, in which 100 objects
+//! move and 10,000 rays are traced, commit included.
 //!
 //! `cargo bench -p halfdome-benches --bench scenes -- [--rounds N]`. With `--test`, or without the `--bench` that
 //! `cargo bench` passes, everything runs once, untimed.

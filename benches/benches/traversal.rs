@@ -42,7 +42,7 @@ fn bench(scene: &Scene, rounds: u16) -> Result<(), Box<dyn std::error::Error>> {
         "{}: {} triangles, built in {seconds:.2} s, {:.1} MiB, expected cost {:.1}",
         scene.name,
         scene.triangles.len(),
-        statistics.bytes as f64 / (1 << 20) as f64,
+        statistics.memory_bytes as f64 / (1 << 20) as f64,
         statistics.cost
     );
     print!("{:10}{:>9}{:>9}{:>18}", "Mrays/s", "rays", "hits", "checksum");

@@ -12,8 +12,8 @@ use crate::tracer::Tracer;
 /// Distance between neighbours, of blobs with a radius of about 1.
 const SPACING: f32 = 2.6;
 
-/// Where `count` instances are in a frame: on a square grid, each turned and scaled by itself, and drifting from frame to
-/// frame.
+/// Where `count` instances are in a frame: on a square grid, each turned and scaled by itself, and drifting from frame
+/// to frame.
 pub fn places(count: u32, frame: u32) -> Vec<Affine3A> {
     let side = f64::from(count).sqrt().ceil() as u32;
     let place = |i: u32| {

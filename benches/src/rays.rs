@@ -92,8 +92,8 @@ pub fn generate(scene: &Scene, tree: &BvhView, counts: RayCounts) -> [RaySet; 4]
     generate_from(&scene.camera, scene.light, (bounds.max - bounds.min).length(), counts, trace)
 }
 
-/// The rays of all kinds for a camera, a light and a scene of this diagonal. `trace` gives for each ray the nearest hit's `t`
-/// and the surface's normal, on either side.
+/// The rays of all kinds for a camera, a light and a scene of this diagonal. `trace` gives for each ray the nearest
+/// hit's `t` and the surface's normal, on either side.
 pub fn generate_from(
     camera: &Camera,
     light: Vec3,

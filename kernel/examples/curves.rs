@@ -46,15 +46,15 @@ fn main() -> Result<(), Error> {
     let tuft = Arc::new(tuft);
     let drops = Arc::new(RoundBvh::build(&dew, &options)?.0);
     let mut scene: Scene<'static> = Scene::new(options);
-    scene.insert(Item::new(Arc::new(RoundBvh::build(&floor, &options)?.0)));
-    scene.insert(Item::new(Arc::new(RoundBvh::build(&rail, &options)?.0)));
+    scene.insert(Item::new(Arc::new(RoundBvh::build(&floor, &options)?.0)))?;
+    scene.insert(Item::new(Arc::new(RoundBvh::build(&rail, &options)?.0)))?;
     // The same tuft many times.
     for i in 0..24 {
         let place = vec3((i % 8) as f32 - 3.5, (i / 8) as f32 * 1.1 - 0.8, 0.0)
             + vec3(spread(i, 0.73), spread(i, 0.39), 0.0) * 0.4;
         let place = Affine3A::from_translation(place) * Affine3A::from_rotation_z(i as f32);
-        scene.insert(Item::new(tuft.clone()).placed(&place)?);
-        scene.insert(Item::new(drops.clone()).placed(&place)?);
+        scene.insert(Item::new(tuft.clone()).placed(&place)?)?;
+        scene.insert(Item::new(drops.clone()).placed(&place)?)?;
     }
     scene.commit()?;
     let view = scene.view();
@@ -77,7 +77,7 @@ fn main() -> Result<(), Error> {
             let (to_item, prim) = (to_scene.inverse(), found.hit.prim_id as usize);
             let local =
                 Ray::new(to_item.transform_point3(ray.ray.origin), to_item.transform_vector3(ray.ray.direction));
-            let surface = match found.geometry_id {
+            let surface = match found.item {
                 0 => RoundSurface::of(&local, &floor[prim]),
                 1 => RoundSurface::of(&local, &rail[prim]),
                 id if id % 2 == 0 => RoundSurface::of(&local, &grass[prim]),

@@ -1,6 +1,6 @@
-//! An engine's loop: ten thousand instances of a ball of a million triangles, a thousand of which move each frame, some come
-//! and some go; then the camera's rays are traced.
-//! `cargo run --release -p halfdome-kernel --example instances -- full`. Without `full`, a hundredth of both.
+//! An engine's loop: ten thousand instances of a ball of a million triangles, a thousand of which move each frame, some
+//! come and some go; then the camera's rays are traced. `cargo run --release -p halfdome-kernel --example instances --
+//! full`. Without `full`, a hundredth of both.
 
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use halfdome_kernel::{Bvh, Error, Quality, Ray, Triangle};
 /// What an engine keeps: it borrows nothing, and may be a resource of any thread.
 struct World {
     scene: Scene<'static>,
-    /// What is in the scene, and its number.
+    /// The handles of what is in the scene, and the index of each.
     objects: Vec<(Handle, usize)>,
     ball: Arc<Bvh>,
     side: usize,
@@ -54,7 +54,7 @@ impl World {
 
     fn insert(&mut self, object: usize, frame: usize) -> Result<(), Error> {
         let item = Item::new(self.ball.clone()).placed(&place(object, frame, self.side))?;
-        self.objects.push((self.scene.insert(item), object));
+        self.objects.push((self.scene.insert(item)?, object));
         Ok(())
     }
 
@@ -104,12 +104,16 @@ fn main() -> Result<(), Error> {
         world.scene.view().intersect_many(&rays, &mut hits);
         tracing += start.elapsed().as_secs_f64();
         checksum = hits.iter().filter(|hit| hit.is_hit()).fold(checksum, |sum, hit| {
-            sum.rotate_left(5) ^ hit.hit.t.to_bits() ^ hit.hit.prim_id.rotate_left(16) ^ hit.geometry_id
+            sum.rotate_left(5) ^ hit.hit.t.to_bits() ^ hit.hit.prim_id.rotate_left(16) ^ hit.item
         });
     }
     let triangles = 2 * rings * rings;
     println!("{} instances of {triangles} triangles: {} in all", side * side, side * side * triangles);
-    println!("{} bytes for the triangles, {} for the scene", world.ball.statistics().bytes, world.scene.bytes());
+    println!(
+        "{} bytes for the triangles, {} for the scene",
+        world.ball.statistics().memory_bytes,
+        world.scene.memory_bytes()
+    );
     let found = hits.iter().filter(|hit| hit.is_hit()).count();
     println!("{found} of {} rays hit in the last of {frames} frames, checksum {checksum:08x}", hits.len());
     let each = |time: f64| 1e3 * time / frames as f64;

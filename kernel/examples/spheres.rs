@@ -4,8 +4,8 @@
 use std::f32::consts::TAU;
 
 use glam::{Affine3A, Vec3, vec3};
-use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay, Shape, Sphere, Spheres};
-use halfdome_kernel::{Aabb, Bvh, Error, Hit, Quality, Ray, triangle_normal};
+use halfdome_kernel::scene::{Item, Scene, SceneHit, SceneRay, Shape, Spheres};
+use halfdome_kernel::{Aabb, Bvh, Error, Hit, Quality, Ray, Sphere, triangle_normal};
 
 /// Spheres with a hole from top to bottom: any rule of the caller's makes a shape.
 struct Beads<'a>(Spheres<'a>);
@@ -65,7 +65,7 @@ fn main() -> Result<(), Error> {
     for (ray, found) in rays.iter().zip(&hits) {
         let point = ray.ray.at(found.hit.t);
         let prim = found.hit.prim_id as usize;
-        let normal = match found.geometry_id {
+        let normal = match found.item {
             0 => triangle_normal(&floor[prim]),
             1 => (point - beads.0.0[prim].center).normalize(),
             2 => (point - balls.0[prim].center - vec3(0.0, 0.0, -0.5)).normalize(),

@@ -16,16 +16,16 @@ pub type Columns<const LANES: usize> = [[f32; LANES]; 8];
 /// Rows that are transposed together.
 const EIGHT: usize = 8;
 
-/// Writes the rows of `table` with the indices `numbers` to the columns' lanes, in order; each row has `PARTS` times
-/// eight words. Indices beyond the table give zeros, `numbers` beyond the lanes are ignored, and the lanes after the
+/// Writes the rows of `table` of `indices` to the columns' lanes, in order; each row has `PARTS` times
+/// eight words. Indices beyond the table give zeros, `indices` beyond the lanes are ignored, and the lanes after the
 /// last row are unspecified.
 pub fn load<const PARTS: usize, const LANES: usize>(
     isa: Isa,
     table: &[[Row; PARTS]],
-    numbers: &[u32],
+    indices: &[u32],
     columns: &mut [Columns<LANES>; PARTS],
 ) {
-    dispatch(isa, Load { table, numbers, columns });
+    dispatch(isa, Load { table, indices, columns });
 }
 
 /// Writes the rows of those lanes for which `keeps` is not 0 to the start of `rows`, in order. `keeps` has an element
@@ -42,7 +42,7 @@ pub fn compress<const WIDTH: usize, const LANES: usize>(
 
 struct Load<'a, const PARTS: usize, const LANES: usize> {
     table: &'a [[Row; PARTS]],
-    numbers: &'a [u32],
+    indices: &'a [u32],
     columns: &'a mut [Columns<LANES>; PARTS],
 }
 
@@ -50,16 +50,16 @@ impl<const PARTS: usize, const LANES: usize> Work for Load<'_, PARTS, LANES> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let Self { table, numbers, columns } = self;
+        let Self { table, indices, columns } = self;
         const { assert!(LANES.is_multiple_of(EIGHT)) }
-        let (eights, rest) = numbers.as_chunks::<EIGHT>();
+        let (eights, rest) = indices.as_chunks::<EIGHT>();
         for (group, eight) in eights.iter().enumerate() {
             load_eight::<S, PARTS, LANES>(table, eight, group, columns);
         }
         if !rest.is_empty() {
             let mut eight = [u32::MAX; EIGHT];
-            for (number, &last) in eight.iter_mut().zip(rest) {
-                *number = last;
+            for (index, &last) in eight.iter_mut().zip(rest) {
+                *index = last;
             }
             load_eight::<S, PARTS, LANES>(table, &eight, eights.len(), columns);
         }
@@ -70,14 +70,14 @@ impl<const PARTS: usize, const LANES: usize> Work for Load<'_, PARTS, LANES> {
 #[inline(always)]
 fn load_eight<S: Simd, const PARTS: usize, const LANES: usize>(
     table: &[[Row; PARTS]],
-    numbers: &[u32; EIGHT],
+    indices: &[u32; EIGHT],
     group: usize,
     columns: &mut [Columns<LANES>; PARTS],
 ) {
     for (part, columns) in columns.iter_mut().enumerate() {
         let mut rows = [S::F8::splat(0.0); EIGHT];
-        for (row, &number) in rows.iter_mut().zip(numbers) {
-            if let Some(found) = table.get(number as usize) {
+        for (row, &index) in rows.iter_mut().zip(indices) {
+            if let Some(found) = table.get(index as usize) {
                 *row = S::F8::load(&found[part]);
             }
         }
@@ -164,11 +164,11 @@ mod tests {
         let table: Vec<[Row; 2]> = (0..100).map(|i| [row(2 * i), row(2 * i + 1)]).collect();
         for isa in isas() {
             for count in 0..=LANES + 3 {
-                let numbers: Vec<u32> = (0..count as u32).map(|i| i * 37 % 103).collect();
+                let indices: Vec<u32> = (0..count as u32).map(|i| i * 37 % 103).collect();
                 let mut columns = [[[7.0; LANES]; 8]; 2];
-                load(isa, &table, &numbers, &mut columns);
-                for (lane, &number) in numbers.iter().enumerate().take(LANES) {
-                    let expected = table.get(number as usize).copied().unwrap_or([[0.0; 8]; 2]);
+                load(isa, &table, &indices, &mut columns);
+                for (lane, &index) in indices.iter().enumerate().take(LANES) {
+                    let expected = table.get(index as usize).copied().unwrap_or([[0.0; 8]; 2]);
                     let found = columns.map(|part| part.map(|column| column[lane]));
                     assert_eq!(found.map(bits), expected.map(bits), "{isa:?}, lane {lane} of {count}");
                 }

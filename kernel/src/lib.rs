@@ -1,6 +1,6 @@
 //! A ray-tracing kernel for embedding: bounding-volume hierarchies, traversal with SIMD, scenes of instances, samplers,
-//! and irradiance with gradients. It is `no_std`, does not allocate or panic while it traces, and finds the same hits to the
-//! bit on every instruction set, alone, in packets or in batches.
+//! and irradiance with gradients. It is `no_std`, does not allocate or panic while it traces, and finds the same hits
+//! to the bit on every instruction set, alone, in packets or in batches.
 //!
 //! # What one can do
 //!
@@ -49,7 +49,7 @@
 //! let items = vec![Item::new(bvh.view()), Item::new(bvh.view()).placed(&right).unwrap()];
 //! let (scene, _) = Scene::build(items, &BuildOptions::default()).unwrap();
 //! let hit = scene.view().intersect(&Ray::new(Vec3::new(5.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.geometry_id, hit.hit.prim_id, hit.hit.t), (1, 0, 1.0));
+//! assert_eq!((hit.item, hit.hit.prim_id, hit.hit.t), (1, 0, 1.0));
 //! # }
 //! ```
 //!
@@ -79,7 +79,7 @@
 //! | the triangles that overlap a box | [`BvhView::for_each_overlap`] |
 //! | to follow triangles that move | `Bvh::refit` |
 //! | where the next ray may start | [`offset_origin`] |
-//! | spheres, discs, round curves in place of triangles | [`RoundView`], [`geometry::round`] |
+//! | spheres, discs, round curves in place of triangles | [`RoundBvhView`], [`geometry::round`] |
 //!
 //! # Modules
 //!
@@ -147,8 +147,11 @@ pub mod traverse;
 #[cfg(feature = "rayon")]
 pub use bvh::RayonExecutor;
 #[cfg(any(feature = "alloc", test))]
-pub use bvh::{BuildOptions, BuildReport, Bvh, Executor, Quality, Refit, RoundBvh, Serial, UnknownQuality};
-pub use bvh::{BvhView, RoundView};
+pub use bvh::{
+    BuildOptions, BuildReport, Bvh, Executor, MovingBvh, Quality, Refit, RoundBvh, Serial, TreeStatistics,
+    UnknownQuality,
+};
+pub use bvh::{BvhView, MovingBvhView, RoundBvhView};
 pub use error::{Error, InvalidMesh, InvalidScene, InvalidTree, RefitError};
 pub use geometry::{
     Aabb, CubicCurve, Disc, Hit, HitPacket, LinearCurve, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, RayPacket,
@@ -160,7 +163,7 @@ pub use geometry::{
 pub use glam;
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
-pub use scene::{Item, SceneHit, SceneRay, SceneView};
+pub use scene::{Item, SceneHit, ScenePoint, SceneRay, SceneView};
 pub use simd::{Isa, Level, Task, UnknownLevel};
 pub use traverse::{Facing, Hits, Verdict};
 

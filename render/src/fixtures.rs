@@ -48,7 +48,8 @@ pub(crate) fn sloping_square(z: f32, is_up: bool, slope: f32, half: f32, materia
     Mesh { positions, triangles, material, ..Mesh::default() }
 }
 
-/// A ball about the origin with the radius 1 and vertex normals: `rows` from pole to pole along z, of `columns` quads each.
+/// A ball about the origin with the radius 1 and vertex normals: `rows` from pole to pole along z, of `columns` quads
+/// each.
 pub(crate) fn ball([rows, columns]: [u32; 2]) -> Mesh {
     let normal = |(row, column): (u32, u32)| {
         let (down, around) = (PI * row as f32 / rows as f32, TAU * column as f32 / columns as f32);

@@ -1,5 +1,5 @@
-//! A renderer and light baker for the CPU, on top of [`halfdome_kernel`]: path tracing, irradiance caching, lightmaps, cube
-//! maps and light probes. The program `halfdome` is a thin command line over this library.
+//! A renderer and light baker for the CPU, on top of [`halfdome_kernel`]: path tracing, irradiance caching, lightmaps,
+//! cube maps and light probes. The program `halfdome` is a thin command line over this library.
 //!
 //! # What one can do
 //!
@@ -56,8 +56,8 @@
 //! assert!(found.values[0].min_element() > 0.0);
 //! ```
 //!
-//! [`bake`], [`cubemap`] and [`probes`] make lightmaps, prefiltered cube maps and spherical-harmonics probes in the same way: a
-//! world or a scene, options, and a [`driver::Watch`].
+//! [`bake`], [`cubemap`] and [`probes`] make lightmaps, prefiltered cube maps and spherical-harmonics probes in the
+//! same way: a world or a scene, options, and a [`driver::Watch`].
 //!
 //! # Modules
 //!
@@ -81,9 +81,9 @@
 //!
 //! # Features
 //!
-//! `cli` (default) adds the command line and `validate`, the experiments with exact answers. Without it the library builds for
-//! WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time. `view` adds the window
-//! of `halfdome view`.
+//! `cli` (default) adds the command line and `validate`, the experiments with exact answers. Without it the library
+//! builds for WebAssembly too. `oidn` (default) adds denoising by Open Image Denoise, which is loaded at run time.
+//! `view` adds the window of `halfdome view`.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "what the command line alone calls"))]
 #![forbid(unsafe_code)]
 

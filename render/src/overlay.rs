@@ -9,9 +9,9 @@ use crate::world::World;
 /// How far a record may be behind what the camera sees, as a part of its distance.
 const BEHIND: f32 = 1e-3;
 
-/// The records that the camera sees from the side that they light, each with the point of the film at which it is seen, in
-/// pixels from the top left corner of a picture of `width` by `height`, which may be beyond its border; once for each eye of a
-/// picture for two. What a file of rays sees is not known.
+/// The records that the camera sees from the side that they light, each with the point of the film at which it is seen,
+/// in pixels from the top left corner of a picture of `width` by `height`, which may be beyond its border; once for
+/// each eye of a picture for two. What a file of rays sees is not known.
 pub fn visible_records<'c>(world: &World, cache: &'c Cache, width: u32, height: u32) -> Vec<(&'c Record, Vec2)> {
     let camera = world.camera_on(width, height);
     let seen = |record: &'c Record| {
@@ -52,8 +52,8 @@ mod tests {
             occluders: [f32::INFINITY; crate::cache::SECTORS],
             clearance: f32::INFINITY,
         };
-        // The back wall above the blocks, which the camera at z = -0.8 looks at along z; the same from behind; and the floor
-        // behind the tall block.
+        // The back wall above the blocks, which the camera at z = -0.8 looks at along z; the same from behind; and the
+        // floor behind the tall block.
         let wall = Vec3::new(0.278, 0.473, 0.5592);
         let records =
             vec![record(1, wall, Vec3::NEG_Z), record(2, wall, Vec3::Z), record(3, Vec3::new(0.37, 0.0, 0.5), Vec3::Y)];

@@ -29,8 +29,8 @@ pub trait Watch: Sync {
     /// The irradiance cache of which [`covered`](Self::covered) last reported is finished; another follows.
     fn filled(&self) {}
 
-    /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1 for single
-    /// pixels. The picture that [`render`](crate::driver::render()) gives does not depend on it.
+    /// The side in pixels of the squares with which the picture begins, a power of two up to [`MAX_PREVIEW_SIDE`]; 1
+    /// for single pixels. The picture that [`render`](crate::driver::render()) gives does not depend on it.
     fn coarsest(&self) -> u32 {
         1
     }

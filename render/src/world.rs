@@ -106,9 +106,9 @@ pub enum WorldError {
         "instance {number}, of object {object}: {error}\n  help: give it a transform that keeps its extent; a scale of 0 hides it"
     )]
     Instance {
-        /// Its number in [`Scene::instances`].
+        /// Its index in [`Scene::instances`].
         number: usize,
-        /// Its object's number.
+        /// Its object's index.
         object: usize,
         /// The error of the transform.
         error: Error,
@@ -122,8 +122,8 @@ impl World {
     /// Makes a scene ready, with the best tree, on the threads of the current rayon pool.
     ///
     /// # Errors
-    /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera, [`WorldError::Tree`]
-    /// with more triangles than a tree can hold.
+    /// [`WorldError::Scene`] with what [`Scene::check`] finds, [`WorldError::NoCamera`] without a camera,
+    /// [`WorldError::Tree`] with more triangles than a tree can hold.
     pub fn new(scene: Scene) -> Result<Self, WorldError> {
         Self::for_light_query(scene, LightQuery::Camera)
     }

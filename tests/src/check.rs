@@ -132,8 +132,8 @@ where
     }
 }
 
-/// What every ray hits of points or curves, by the loop; trees of all qualities agree with it on every instruction set, by
-/// themselves and in a scene.
+/// What every ray hits of points or curves, by the loop; trees of all qualities agree with it on every instruction set,
+/// by themselves and in a scene.
 pub fn check_round<P: RoundBuild>(primitives: &[P], rays: &[Ray]) -> Vec<Option<Hit>> {
     let nearest = |ray: &Ray| {
         let hit = |(prim_id, primitive)| intersect_round(ray, primitive).map(|hit| Hit { prim_id, ..hit });

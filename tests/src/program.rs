@@ -34,6 +34,11 @@ impl Outcome {
     }
 }
 
+/// The run must have succeeded without a message.
+pub fn succeed(outcome: &Outcome) {
+    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
+}
+
 impl Program<'_> {
     /// A run that is yet to start, with its streams piped or closed.
     pub fn command<S: AsRef<OsStr>>(&self, arguments: &[S]) -> Command {
@@ -65,6 +70,11 @@ impl Program<'_> {
         let path = self.folder.join(name);
         fs::write(&path, contents).expect("the folder can be written");
         path
+    }
+
+    /// The names of all files in the folder and below, which are UTF-8.
+    pub fn names(&self) -> Vec<String> {
+        self.files().into_keys().map(|name| name.into_string().expect("the name is UTF-8")).collect()
     }
 
     /// All files in the folder and below with their contents; folders have none.

@@ -1,9 +1,9 @@
-//! Imports go one way: a module imports only what stands before it in its crate's order, and the modules of a folder do not
-//! import one another in a circle.
+//! Imports go one way: a module imports only what stands before it in its crate's order, and the modules of a folder do
+//! not import one another in a circle.
 //!
-//! A module is a file or a folder. What a folder's own file (`mod.rs`, or `folder.rs` beside it) imports from its children,
-//! and they from it, is not looked at: these belong together. A name that such a file publishes with `use` counts as the
-//! module's that it comes from. Tests may import anything.
+//! A module is a file or a folder. What a folder's own file (`mod.rs`, or `folder.rs` beside it) imports from its
+//! children, and they from it, is not looked at: these belong together. A name that such a file publishes with `use`
+//! counts as the module's that it comes from. Tests may import anything.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;

@@ -73,8 +73,8 @@ fn compare(scene: &Scene, options: &Options) -> Result<(), Box<dyn Error>> {
             tree.nodes,
             tree.blocks,
             tree.triangles as f64 / tree.blocks as f64,
-            tree.bytes as f64 / f64::from(1 << 20),
-            tree.bytes as f64 / tree.triangles as f64,
+            tree.memory_bytes as f64 / f64::from(1 << 20),
+            tree.memory_bytes as f64 / tree.triangles as f64,
             tree.cost,
         );
     }

@@ -1,5 +1,5 @@
-//! Values of closures for `benches/renderers/mitsuba_closures.py` to compare with those of Mitsuba's models that are the
-//! same: one JSON object a line.
+//! Values of closures for `benches/renderers/mitsuba_closures.py` to compare with those of Mitsuba's models that are
+//! the same: one JSON object a line.
 //!
 //!     cargo run --release -p halfdome-benches --bin closures | target/renderers/bin/python benches/renderers/mitsuba_closures.py
 

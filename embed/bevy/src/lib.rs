@@ -1,9 +1,9 @@
 //! Gives glTF files that `halfdome bake --preset bevy` made their lightmaps.
 //!
 //! A node of such a file says in its extras, which Bevy keeps in [`GltfExtras`], which file is the lightmap of each
-//! primitive of its mesh: `"halfdome_lightmaps": ["level-0.ktx2", null]`. The files are beside the glTF file; their texels
-//! are irradiance over π, and the meshes' second texture coordinates say where each surface is. So all that is left to do
-//! is to load the pictures and to hang a [`Lightmap`] on each entity:
+//! primitive of its mesh: `"halfdome_lightmaps": ["level-0.ktx2", null]`. The files are beside the glTF file; their
+//! texels are irradiance over π, and the meshes' second texture coordinates say where each surface is. So all that is
+//! left to do is to load the pictures and to hang a [`Lightmap`] on each entity:
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -16,8 +16,8 @@
 //!     .run();
 //! ```
 //!
-//! What was baked is not to be lit again: leave out the file's own lights if the bake was of mode `full`, and tell Bevy's
-//! ambient light to spare what has a lightmap (`affects_lightmapped_meshes`).
+//! What was baked is not to be lit again: leave out the file's own lights if the bake was of mode `full`, and tell
+//! Bevy's ambient light to spare what has a lightmap (`affects_lightmapped_meshes`).
 
 use bevy::asset::AssetPath;
 use bevy::gltf::GltfExtras;
@@ -95,7 +95,7 @@ fn files(extras: &str) -> Option<Vec<Option<String>>> {
     Some(files.map(|file| file.as_str().map(str::to_owned)).collect())
 }
 
-/// The glTF file that a mesh is of, and the number of its primitive: Bevy labels meshes `Mesh3/Primitive1`.
+/// The glTF file that a mesh is of, and the index of its primitive: Bevy labels meshes `Mesh3/Primitive1`.
 fn place(mesh: &Mesh3d) -> Option<(AssetPath<'static>, usize)> {
     let path = mesh.0.path()?;
     let (_, primitive) = path.label()?.rsplit_once("Primitive")?;

@@ -1,6 +1,6 @@
-//! Two sealed rooms, one that glows and one that does not, baked by halfdome and shown by Bevy without a window: entities
-//! have their lightmaps, texels the irradiance over π that is known, and so have pixels. Cube maps and an irradiance volume of
-//! the room that glows are textures as Bevy's probes want them.
+//! Two sealed rooms, one that glows and one that does not, baked by halfdome and shown by Bevy without a window:
+//! entities have their lightmaps, texels the irradiance over π that is known, and so have pixels. Cube maps and an
+//! irradiance volume of the room that glows are textures as Bevy's probes want them.
 //!
 //! In the room that glows each wall emits 1/4 and reflects one half, so that everything has the radiance 1/2.
 

@@ -83,7 +83,7 @@ int main(void) {
         hd_scene_hit nearest;
         float point[3];
         stop_if(hd_scene_closest_point(scene, player, INFINITY, 0, 0, point, &nearest));
-        on_ring(rows, 6.2831853f / DOORS * ((float)nearest.geometry_id + 0.22f * (float)frame));
+        on_ring(rows, 6.2831853f / DOORS * ((float)nearest.item + 0.22f * (float)frame));
         put(picture, rows[3], rows[11], '@');
 
         /* Whether a door hides the lamp. */
@@ -104,9 +104,9 @@ int main(void) {
             put(picture, player[0] + t * sight.ray.direction[0], player[2] + t * sight.ray.direction[2], '*');
         }
 
-        printf("Frame %d: door %u is nearest, %.2f away; ", frame, (unsigned)nearest.geometry_id, nearest.hit.t);
+        printf("Frame %d: door %u is nearest, %.2f away; ", frame, (unsigned)nearest.item, nearest.hit.t);
         if (hidden) {
-            printf("door %u hides the lamp.\n", (unsigned)hit.geometry_id);
+            printf("door %u hides the lamp.\n", (unsigned)hit.item);
         } else {
             printf("the player sees the lamp.\n");
         }

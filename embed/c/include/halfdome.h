@@ -196,12 +196,13 @@ typedef struct hd_mesh {
      */
     size_t vertex_count;
     /**
-     * Bytes from one vertex to the next, a multiple of the size of a number, and at least that of three; 0 stands for that.
+     * Bytes from one vertex to the next, a multiple of the size of a number, and at least that of three; 0 stands for
+     * that.
      */
     size_t vertex_stride;
     /**
-     * Three vertices for each triangle, counter-clockwise when seen from the front: uint32_t, unless index_size says otherwise.
-     * NULL: 0, 1, 2, 3 …
+     * Three vertices for each triangle, counter-clockwise when seen from the front: uint32_t, unless index_size says
+     * otherwise. NULL: 0, 1, 2, 3 …
      */
     const void *indices;
     /**
@@ -313,7 +314,7 @@ typedef struct hd_hit {
      */
     float v;
     /**
-     * The triangle's number in its mesh; HD_NO_PRIM if nothing was hit.
+     * The triangle's index in its mesh; HD_NO_PRIM if nothing was hit.
      */
     uint32_t prim_id;
 } hd_hit;
@@ -349,8 +350,8 @@ typedef struct hd_round_surface {
 } hd_round_surface;
 
 /**
- * Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be many
- * instances.
+ * Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be
+ * many instances.
  */
 typedef struct hd_item {
     /**
@@ -366,14 +367,14 @@ typedef struct hd_item {
      */
     const struct hd_scene *scene;
     /**
-     * Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-     * to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale of zero, hides the
-     * item; one that flattens nearly is an HD_ERROR_VALUE.
+     * Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y,
+     * z, 1) to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale
+     * of zero, hides the item; one that flattens nearly is an HD_ERROR_VALUE.
      */
     const float *transforms;
     /**
-     * How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
-     * elements are interpolated.
+     * How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between
+     * their elements are interpolated.
      */
     size_t transform_count;
     /**
@@ -421,15 +422,15 @@ typedef struct hd_scene_hit {
      */
     struct hd_hit hit;
     /**
-     * The item that has the mesh: its number in the scene that has the item.
+     * The item that has the mesh: its index in the scene that has the item.
      */
-    uint32_t geometry_id;
+    uint32_t item;
     /**
-     * How many items that are scenes the ray went through on its way there.
+     * How many nested scenes enclose the item.
      */
     uint32_t depth;
     /**
-     * The number of that way among all in the scene; hd_scene_instances lists the items.
+     * The index of the path of nested scenes to the item among all paths; hd_scene_instances lists the items on it.
      */
     uint64_t path;
 } hd_scene_hit;
@@ -439,11 +440,11 @@ typedef struct hd_scene_hit {
  */
 typedef struct hd_handle {
     /**
-     * The item's number: the geometry_id of its hits.
+     * The item's index: the item field of its hits.
      */
     uint32_t index;
     /**
-     * How many items had this number before.
+     * How many items had this index before.
      */
     uint32_t generation;
 } hd_handle;
@@ -475,8 +476,8 @@ typedef struct hd_commit {
 } hd_commit;
 
 /**
- * Judges a hit: HD_REJECT, HD_ACCEPT or HD_STOP. user is what was given with it. It must return, by no exception and no
- * longjmp; it may trace other rays.
+ * Judges a hit: HD_REJECT, HD_ACCEPT or HD_STOP. user is what was given with it. It must return, by no exception and
+ * no longjmp; it may trace other rays.
  */
 typedef uint32_t (*hd_filter)(void *user, const struct hd_hit *hit);
 
@@ -495,8 +496,8 @@ extern "C" {
 uint32_t hd_abi_version(void);
 
 /**
- * What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed. It
- * can be read until the thread's next call that fails, and belongs to the library.
+ * What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed.
+ * It can be read until the thread's next call that fails, and belongs to the library.
  */
 const char *hd_last_error(void);
 
@@ -512,19 +513,17 @@ const char *hd_status_name(int32_t status);
 hd_status hd_tree_build(const struct hd_mesh *mesh, const struct hd_build_options *options, struct hd_tree **tree);
 
 /**
- * Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker than a
- * new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is beyond 1.5.
- * decay may be NULL. Hits are those of a new tree.
+ * Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker
+ * than a new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is
+ * beyond 1.5. decay may be NULL. Hits are those of a new tree.
  *
- * Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again; the tree
- * is then copied first, as is one that was opened in a blob.
+ * Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again;
+ * the tree is then copied first, as is one that was opened in a blob.
  *
  * HD_ERROR_VALUE if triangles that rays could hit are gone or new ones have come, as where two corners become one; the
  * tree is then as it was.
  */
-hd_status hd_tree_refit(struct hd_tree *tree,
-                        const struct hd_mesh *mesh,
-                        float *decay);
+hd_status hd_tree_refit(struct hd_tree *tree, const struct hd_mesh *mesh, float *decay);
 
 /**
  * Writes the three corners of a triangle, x, y and z each, to nine numbers. Looks through the whole tree.
@@ -542,8 +541,9 @@ hd_status hd_tree_describe(const struct hd_tree *tree, struct hd_tree_info *info
 void hd_tree_free(struct hd_tree *tree);
 
 /**
- * Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min > t_max,
- * or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50 to 2^50.
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min >
+ * t_max, or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50
+ * to 2^50.
  */
 hd_status hd_intersect(const struct hd_tree *tree, const struct hd_ray *ray, struct hd_hit *hit);
 
@@ -569,15 +569,15 @@ hd_status hd_occluded_many(const struct hd_tree *tree, const struct hd_ray *rays
 const char *hd_instruction_set(void);
 
 /**
- * Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
- * is 0 only the length is written.
+ * Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and
+ * capacity is 0 only the length is written.
  */
 hd_status hd_tree_save(const struct hd_tree *tree, uint8_t *bytes, size_t capacity, size_t *size);
 
 /**
  * Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
- * stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it
- * holds is safe to trace.
+ * stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever
+ * it holds is safe to trace.
  */
 hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
@@ -587,8 +587,9 @@ hd_status hd_tree_open(const uint8_t *bytes, size_t size, struct hd_tree **tree)
 hd_status hd_tree_load(const uint8_t *bytes, size_t size, struct hd_tree **tree);
 
 /**
- * Builds a tree of key_count meshes, which are copied: the same triangles, in the same order, where they are at times evenly
- * spaced from 0 to 1; in between they move in straight lines. options may be NULL. Put it in a scene as hd_item's moving.
+ * Builds a tree of key_count meshes, which are copied: the same triangles, in the same order, where they are at times
+ * evenly spaced from 0 to 1; in between they move in straight lines. options may be NULL. Put it in a scene as
+ * hd_item's moving.
  *
  * HD_ERROR_VALUE if there is no mesh, or if they differ in the number of triangles.
  */
@@ -603,10 +604,10 @@ hd_status hd_moving_tree_build(const struct hd_mesh *keys,
 void hd_moving_tree_free(struct hd_moving_tree *tree);
 
 /**
- * Builds a tree of count points or curves of a kind, of which the numbers lie one after the other, and are copied. options may
- * be NULL. Those that no ray can hit are left out: of no radius, too far away, or with a NaN. Put it in a scene as hd_item's
- * round. A hit's prim_id is the place in the array; u is where along a curve it is, 0 to 1, or a disc's distance from the
- * centre in radii; v is 0.
+ * Builds a tree of count points or curves of a kind, of which the numbers lie one after the other, and are copied.
+ * options may be NULL. Those that no ray can hit are left out: of no radius, too far away, or with a NaN. Put it in a
+ * scene as hd_item's round. A hit's prim_id is the place in the array; u is where along a curve it is, 0 to 1, or a
+ * disc's distance from the centre in radii; v is 0.
  */
 hd_status hd_round_tree_build(uint32_t kind,
                               const float *numbers,
@@ -615,8 +616,8 @@ hd_status hd_round_tree_build(uint32_t kind,
                               struct hd_round_tree **tree);
 
 /**
- * What a ray meets of a single point or curve, which has these numbers: after a hit, those of its prim_id. The ray is in the
- * item's own space, as the numbers are.
+ * What a ray meets of a single point or curve, which has these numbers: after a hit, those of its prim_id. The ray is
+ * in the item's own space, as the numbers are.
  *
  * HD_ERROR_VALUE if the ray does not hit it.
  */
@@ -631,10 +632,10 @@ hd_status hd_round_surface_at(uint32_t kind,
 void hd_round_tree_free(struct hd_round_tree *tree);
 
 /**
- * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
- * in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
- * items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
- * items, is built again now and then.
+ * Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and
+ * scenes in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is
+ * empty, for items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree,
+ * which is over items, is built again now and then.
  */
 hd_status hd_scene_build(const struct hd_item *items,
                          size_t count,
@@ -642,7 +643,7 @@ hd_status hd_scene_build(const struct hd_item *items,
                          struct hd_scene **scene);
 
 /**
- * Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
+ * Finds the nearest hit of a ray; of equally near ones that of the lowest item, then prim_id, then path.
  */
 hd_status hd_scene_intersect(const struct hd_scene *scene, const struct hd_scene_ray *ray, struct hd_scene_hit *hit);
 
@@ -668,8 +669,8 @@ hd_status hd_scene_occluded_many(const struct hd_scene *scene,
                                  size_t count);
 
 /**
- * Writes the items that are scenes on the way to a hit of this scene, the outermost first: their numbers, each in the scene
- * that has it, as many as hit->depth says. instances has room for capacity of them.
+ * Writes the items that are scenes on the path to a hit of this scene, the outermost first: their indices, each in the
+ * scene that has it, as many as hit->depth says. instances has room for capacity of them.
  */
 hd_status hd_scene_instances(const struct hd_scene *scene,
                              const struct hd_scene_hit *hit,
@@ -682,39 +683,32 @@ hd_status hd_scene_instances(const struct hd_scene *scene,
 void hd_scene_free(struct hd_scene *scene);
 
 /**
- * Writes a scene as of its last commit as a blob, with all trees and scenes in it: to bytes, if there is room for it, and its
- * length to *size. Where bytes is NULL and capacity is 0 only the length is written.
+ * Writes a scene as of its last commit as a blob, with all trees and scenes in it: to bytes, if there is room for it,
+ * and its length to *size. Where bytes is NULL and capacity is 0 only the length is written.
  */
-hd_status hd_scene_save(const struct hd_scene *scene,
-                        uint8_t *bytes,
-                        size_t capacity,
-                        size_t *size);
+hd_status hd_scene_save(const struct hd_scene *scene, uint8_t *bytes, size_t capacity, size_t *size);
 
 /**
- * Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
- * stays as it is until the scene, and every scene that it is in, is freed. Items and handles are those of hd_scene_load.
+ * Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of
+ * HD_BLOB_ALIGNMENT, and stays as it is until the scene, and every scene that it is in, is freed. Items and handles
+ * are those of hd_scene_load.
  */
-hd_status hd_scene_open(const uint8_t *bytes,
-                        size_t size,
-                        struct hd_scene **scene);
+hd_status hd_scene_open(const uint8_t *bytes, size_t size, struct hd_scene **scene);
 
 /**
- * Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to trace.
- * Items have the numbers that they had, and handles of generation 0.
+ * Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to
+ * trace. Items have the numbers that they had, and handles of generation 0.
  */
-hd_status hd_scene_load(const uint8_t *bytes,
-                        size_t size,
-                        struct hd_scene **scene);
+hd_status hd_scene_load(const uint8_t *bytes, size_t size, struct hd_scene **scene);
 
 /**
- * Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their number, and 0.
+ * Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their index, and
+ * generation 0.
  *
- * This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is in
- * keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
+ * This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is
+ * in keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
  */
-hd_status hd_scene_insert(struct hd_scene *scene,
-                          const struct hd_item *item,
-                          struct hd_handle *handle);
+hd_status hd_scene_insert(struct hd_scene *scene, const struct hd_item *item, struct hd_handle *handle);
 
 /**
  * Removes an item: rays see it until the next commit, and its handle is valid no more.
@@ -722,12 +716,11 @@ hd_status hd_scene_insert(struct hd_scene *scene,
 hd_status hd_scene_remove(struct hd_scene *scene, struct hd_handle handle);
 
 /**
- * Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points, from the
- * next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays where it was.
+ * Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points,
+ * from the next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays
+ * where it was.
  */
-hd_status hd_scene_set_transform(struct hd_scene *scene,
-                                 struct hd_handle handle,
-                                 const float *rows);
+hd_status hd_scene_set_transform(struct hd_scene *scene, struct hd_handle handle, const float *rows);
 
 /**
  * Says which rays see an item from the next commit on: those whose mask has a bit in common. 0 stands for all bits.
@@ -735,28 +728,26 @@ hd_status hd_scene_set_transform(struct hd_scene *scene,
 hd_status hd_scene_set_mask(struct hd_scene *scene, struct hd_handle handle, uint32_t mask);
 
 /**
- * Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who sees it.
- * Its handle stays.
+ * Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who
+ * sees it. Its handle stays.
  */
-hd_status hd_scene_set_item(struct hd_scene *scene,
-                            struct hd_handle handle,
-                            const struct hd_item *item);
+hd_status hd_scene_set_item(struct hd_scene *scene, struct hd_handle handle, const struct hd_item *item);
 
 /**
- * Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or built again
- * where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the changes still wait.
+ * Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or
+ * built again where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the
+ * changes still wait.
  */
-hd_status hd_scene_commit(struct hd_scene *scene,
-                          struct hd_commit *commit);
+hd_status hd_scene_commit(struct hd_scene *scene, struct hd_commit *commit);
 
 /**
- * Gives the handle of the item that a hit names by its geometry_id. HD_ERROR_VALUE if it was removed since.
+ * Gives the handle of the item that a hit names by its item field. HD_ERROR_VALUE if it was removed since.
  */
-hd_status hd_scene_handle(const struct hd_scene *scene, uint32_t geometry_id, struct hd_handle *handle);
+hd_status hd_scene_handle(const struct hd_scene *scene, uint32_t item, struct hd_handle *handle);
 
 /**
- * Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are nearer
- * than what it accepted so far, each once, roughly from near to far.
+ * Finds the nearest hit of a ray that a filter accepts, or the one that it stops at. The filter sees the hits that are
+ * nearer than what it accepted so far, each once, roughly from near to far.
  */
 hd_status hd_intersect_filtered(const struct hd_tree *tree,
                                 const struct hd_ray *ray,
@@ -811,9 +802,10 @@ hd_status hd_scene_nearest_hits(const struct hd_scene *scene,
                                 size_t *count);
 
 /**
- * Finds the point of a tree's triangles that is closest to a point (three numbers) and not farther than radius, which may
- * be infinite. Writes its coordinates to the three numbers of closest, and to hit which triangle it is on, with the distance as t;
- * where there is none, HD_NO_PRIM, and closest is all 0. closest may be NULL. Of equally close triangles the lowest counts.
+ * Finds the point of a tree's triangles that is closest to a point (three numbers) and not farther than radius, which
+ * may be infinite. Writes its coordinates to the three numbers of closest, and to hit which triangle it is on, with
+ * the distance as t; where there is none, HD_NO_PRIM, and closest is all 0. closest may be NULL. Of equally close
+ * triangles the lowest counts.
  */
 hd_status hd_closest_point(const struct hd_tree *tree,
                            const float *point,
@@ -822,8 +814,8 @@ hd_status hd_closest_point(const struct hd_tree *tree,
                            struct hd_hit *hit);
 
 /**
- * hd_closest_point for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands
- * for all bits.
+ * hd_closest_point for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0
+ * stands for all bits.
  */
 hd_status hd_scene_closest_point(const struct hd_scene *scene,
                                  const float *point,
@@ -834,9 +826,9 @@ hd_status hd_scene_closest_point(const struct hd_scene *scene,
                                  struct hd_scene_hit *hit);
 
 /**
- * Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each, and
- * writes as many of their numbers as prim_ids has room for, in an order that is the tree's own. *count is the number of all of
- * them, which may be more than capacity. Touching counts.
+ * Finds the triangles that have a point in common with a box, whose least and greatest corner are three numbers each,
+ * and writes as many of their indices as prim_ids has room for, in an order that is the tree's own. *count is the
+ * number of all of them, which may be more than capacity. Touching counts.
  */
 hd_status hd_overlaps(const struct hd_tree *tree,
                       const float *min,
@@ -846,8 +838,8 @@ hd_status hd_overlaps(const struct hd_tree *tree,
                       size_t *count);
 
 /**
- * hd_overlaps for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands for
- * all bits. Hits have a t of 0.
+ * hd_overlaps for a scene at a time (0 to 1) and for items whose mask has a bit in common with mask, of which 0 stands
+ * for all bits. Hits have a t of 0.
  */
 hd_status hd_scene_overlaps(const struct hd_scene *scene,
                             const float *min,

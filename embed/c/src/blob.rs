@@ -13,8 +13,8 @@ pub const HD_BLOB_ALIGNMENT: usize = 64;
 
 const _: () = assert!(HD_BLOB_ALIGNMENT == BLOB_ALIGNMENT);
 
-/// Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and capacity
-/// is 0 only the length is written.
+/// Writes a tree as a blob: to bytes, if there is room for it, and its length to *size. Where bytes is NULL and
+/// capacity is 0 only the length is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_save(
     tree: Option<&hd_tree>,
@@ -59,8 +59,8 @@ pub(crate) unsafe fn write_blob(blob: &[u8], bytes: *mut u8, capacity: usize, si
 }
 
 /// Makes a tree of a blob that is traced where it lies, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
-/// stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever it
-/// holds is safe to trace.
+/// stays as it is until the tree, and every scene that it is in, is freed. The blob is checked once, so that whatever
+/// it holds is safe to trace.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_tree_open(bytes: *const u8, size: usize, tree: *mut *mut hd_tree) -> hd_status {
     guard(|| {

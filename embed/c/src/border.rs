@@ -139,7 +139,8 @@ pub(crate) unsafe fn versioned<T: Versioned>(name: &str, pointer: *const T) -> R
     }
 }
 
-/// The bytes from one structure of an array to the next: as many as the first says that it has. An array of none may be null.
+/// The bytes from one structure of an array to the next: as many as the first says that it has. An array of none may be
+/// null.
 ///
 /// # Safety
 /// That of [`versioned`].

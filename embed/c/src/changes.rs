@@ -13,9 +13,9 @@ use crate::status::{Failure, guard, hd_status};
 #[derive(Clone, Copy, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct hd_handle {
-    /// The item's number: the geometry_id of its hits.
+    /// The item's index: the item field of its hits.
     pub index: u32,
-    /// How many items had this number before.
+    /// How many items had this index before.
     pub generation: u32,
 }
 
@@ -57,10 +57,11 @@ fn named(scene: &Scene, hd_handle { index, generation }: hd_handle) -> Result<Ha
     Ok(known.ok_or(halfdome_kernel::Error::from(InvalidScene::NoSuchItem { index, generation }))?)
 }
 
-/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their number, and 0.
+/// Adds an item, which rays see from the next commit on. Items of hd_scene_build have handles too: their index, and
+/// generation 0.
 ///
-/// This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is in
-/// keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
+/// This and the other functions that change a scene need it for themselves: nobody may be tracing it. Scenes that it is
+/// in keep it as it was until hd_scene_set_item puts it there again; it is then copied first.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_insert(
     scene: *mut hd_scene,
@@ -70,10 +71,11 @@ pub unsafe extern "C" fn hd_scene_insert(
     guard(|| {
         check("scene", scene, 1)?;
         check("handle", handle, 1)?;
-        // SAFETY: the caller's promise. The item may be the scene itself, as it is now: only then is it borrowed to be changed.
+        // SAFETY: the caller's promise. The item may be the scene itself, as it is now: only then is it borrowed to be
+        // changed.
         let (made, scene, handle) =
             unsafe { (self::item("item", item)?, changing(scene.as_mut())?, room_for_one("handle", handle)?) };
-        *handle = scene.insert(made).into();
+        *handle = scene.insert(made)?.into();
         Ok(())
     })
 }
@@ -88,8 +90,9 @@ pub extern "C" fn hd_scene_remove(scene: Option<&mut hd_scene>, handle: hd_handl
     })
 }
 
-/// Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points, from the
-/// next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays where it was.
+/// Puts an item where a transform of twelve numbers (the three rows of a matrix, four numbers each) takes its points,
+/// from the next commit on. One that flattens hides it; one with a NaN or nearly flat is refused, and the item stays
+/// where it was.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_set_transform(
     scene: Option<&mut hd_scene>,
@@ -115,8 +118,8 @@ pub extern "C" fn hd_scene_set_mask(scene: Option<&mut hd_scene>, handle: hd_han
     })
 }
 
-/// Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who sees it.
-/// Its handle stays.
+/// Exchanges an item as a whole, from the next commit on: what it is, such as a tree that was refitted, where, and who
+/// sees it. Its handle stays.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_set_item(scene: *mut hd_scene, handle: hd_handle, item: *const hd_item) -> hd_status {
     guard(|| {
@@ -128,8 +131,9 @@ pub unsafe extern "C" fn hd_scene_set_item(scene: *mut hd_scene, handle: hd_hand
     })
 }
 
-/// Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or built again
-/// where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the changes still wait.
+/// Makes all changes since the last commit, which rays see from now on. The scene's own tree is fitted to them, or
+/// built again where that is better. commit may be NULL. If it fails the scene is as of the last commit, and the
+/// changes still wait.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_commit(scene: Option<&mut hd_scene>, commit: *mut hd_commit) -> hd_status {
     guard(|| {
@@ -147,18 +151,14 @@ pub unsafe extern "C" fn hd_scene_commit(scene: Option<&mut hd_scene>, commit: *
     })
 }
 
-/// Gives the handle of the item that a hit names by its geometry_id. HD_ERROR_VALUE if it was removed since.
+/// Gives the handle of the item that a hit names by its item field. HD_ERROR_VALUE if it was removed since.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn hd_scene_handle(
-    scene: Option<&hd_scene>,
-    geometry_id: u32,
-    handle: *mut hd_handle,
-) -> hd_status {
+pub unsafe extern "C" fn hd_scene_handle(scene: Option<&hd_scene>, item: u32, handle: *mut hd_handle) -> hd_status {
     guard(|| {
         let scene = self::handle("scene", scene)?;
         check("handle", handle, 1)?;
-        let Some(found) = scene.0.handle(geometry_id) else {
-            let message = format!("there is no item {geometry_id}");
+        let Some(found) = scene.0.handle(item) else {
+            let message = format!("there is no item {item}");
             return Err(Failure::new(crate::status::hd_status::HD_ERROR_VALUE, message));
         };
         // SAFETY: the caller's promise.

@@ -31,3 +31,5 @@ pub mod scene_blob;
 pub mod changes;
 
 pub mod query;
+
+pub mod proximity;

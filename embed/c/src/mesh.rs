@@ -27,10 +27,11 @@ pub struct hd_mesh {
     pub positions: *const c_void,
     /// How many vertices there are.
     pub vertex_count: usize,
-    /// Bytes from one vertex to the next, a multiple of the size of a number, and at least that of three; 0 stands for that.
+    /// Bytes from one vertex to the next, a multiple of the size of a number, and at least that of three; 0 stands for
+    /// that.
     pub vertex_stride: usize,
-    /// Three vertices for each triangle, counter-clockwise when seen from the front: uint32_t, unless index_size says otherwise.
-    /// NULL: 0, 1, 2, 3 …
+    /// Three vertices for each triangle, counter-clockwise when seen from the front: uint32_t, unless index_size says
+    /// otherwise. NULL: 0, 1, 2, 3 …
     pub indices: *const c_void,
     /// How many indices there are, a multiple of three; without indices vertex_count is.
     pub index_count: usize,

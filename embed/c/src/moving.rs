@@ -14,8 +14,9 @@ use crate::tree::{build_options, hd_build_options};
 /// A tree of triangles that move. Scenes alone have it, as their rays have a time.
 pub struct hd_moving_tree(pub(crate) Arc<MovingBvh>);
 
-/// Builds a tree of key_count meshes, which are copied: the same triangles, in the same order, where they are at times evenly
-/// spaced from 0 to 1; in between they move in straight lines. options may be NULL. Put it in a scene as hd_item's moving.
+/// Builds a tree of key_count meshes, which are copied: the same triangles, in the same order, where they are at times
+/// evenly spaced from 0 to 1; in between they move in straight lines. options may be NULL. Put it in a scene as
+/// hd_item's moving.
 ///
 /// HD_ERROR_VALUE if there is no mesh, or if they differ in the number of triangles.
 #[unsafe(no_mangle)]

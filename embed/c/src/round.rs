@@ -71,10 +71,10 @@ macro_rules! with_kind {
     };
 }
 
-/// Builds a tree of count points or curves of a kind, of which the numbers lie one after the other, and are copied. options may
-/// be NULL. Those that no ray can hit are left out: of no radius, too far away, or with a NaN. Put it in a scene as hd_item's
-/// round. A hit's prim_id is the place in the array; u is where along a curve it is, 0 to 1, or a disc's distance from the
-/// centre in radii; v is 0.
+/// Builds a tree of count points or curves of a kind, of which the numbers lie one after the other, and are copied.
+/// options may be NULL. Those that no ray can hit are left out: of no radius, too far away, or with a NaN. Put it in a
+/// scene as hd_item's round. A hit's prim_id is the place in the array; u is where along a curve it is, 0 to 1, or a
+/// disc's distance from the centre in radii; v is 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_round_tree_build(
     kind: u32,
@@ -104,8 +104,8 @@ unsafe fn build<P: RoundBuild>(numbers: *const f32, count: usize, options: &Buil
     Ok(RoundBvh::build(primitives, options)?.0)
 }
 
-/// What a ray meets of a single point or curve, which has these numbers: after a hit, those of its prim_id. The ray is in the
-/// item's own space, as the numbers are.
+/// What a ray meets of a single point or curve, which has these numbers: after a hit, those of its prim_id. The ray is
+/// in the item's own space, as the numbers are.
 ///
 /// HD_ERROR_VALUE if the ray does not hit it.
 #[unsafe(no_mangle)]

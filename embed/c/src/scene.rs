@@ -19,8 +19,8 @@ use crate::tree::{build_options, hd_build_options, hd_tree};
 /// A scene, ready to be traced as it was at its last commit.
 pub struct hd_scene(pub(crate) Arc<Scene<'static>>);
 
-/// Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be many
-/// instances.
+/// Something in a scene: either a tree, a scene, a tree that moves or one of points or curves, of which there may be
+/// many instances.
 #[derive(Clone, Copy)]
 #[repr(C)]
 pub struct hd_item {
@@ -30,12 +30,12 @@ pub struct hd_item {
     pub tree: *const hd_tree,
     /// The scene, or NULL.
     pub scene: *const hd_scene,
-    /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y, z, 1)
-    /// to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale of zero, hides the
-    /// item; one that flattens nearly is an HD_ERROR_VALUE.
+    /// Twelve numbers for each key: the three rows of a matrix, four numbers each, that takes the item's points (x, y,
+    /// z, 1) to the scene. NULL: where its own coordinates say. A single one that flattens to nothing, such as a scale
+    /// of zero, hides the item; one that flattens nearly is an HD_ERROR_VALUE.
     pub transforms: *const f32,
-    /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between their
-    /// elements are interpolated.
+    /// How many transforms there are. Several are where the item is at times evenly spaced from 0 to 1; in between
+    /// their elements are interpolated.
     pub transform_count: usize,
     /// Rays see it whose mask has a bit in common with it. 0 stands for all bits.
     pub mask: u32,
@@ -71,11 +71,11 @@ pub struct hd_scene_ray {
 pub struct hd_scene_hit {
     /// Where, and which triangle of its mesh. t is the same in all spaces.
     pub hit: hd_hit,
-    /// The item that has the mesh: its number in the scene that has the item.
-    pub geometry_id: u32,
-    /// How many items that are scenes the ray went through on its way there.
+    /// The item that has the mesh: its index in the scene that has the item.
+    pub item: u32,
+    /// How many nested scenes enclose the item.
     pub depth: u32,
-    /// The number of that way among all in the scene; hd_scene_instances lists the items.
+    /// The index of the path of nested scenes to the item among all paths; hd_scene_instances lists the items on it.
     pub path: u64,
 }
 
@@ -132,10 +132,10 @@ pub(crate) fn mask_of(mask: u32) -> u32 {
     if mask == 0 { u32::MAX } else { mask }
 }
 
-/// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and scenes
-/// in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is empty, for
-/// items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree, which is over
-/// items, is built again now and then.
+/// Builds a scene of count items, whose numbers are their places in the array. options may be NULL. The trees and
+/// scenes in it can be freed before it; blobs that trees were opened in have to stay. With a count of 0 the scene is
+/// empty, for items that are inserted. Where items move each frame, HD_QUALITY_FAST is right, as the scene's own tree,
+/// which is over items, is built again now and then.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_build(
     items: *const hd_item,
@@ -204,7 +204,7 @@ pub(crate) fn transform(rows: &[f32; 12]) -> Affine3A {
     }
 }
 
-/// Finds the nearest hit of a ray; of equally near ones that of the lowest geometry_id, then prim_id, then path.
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest item, then prim_id, then path.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_intersect(
     scene: Option<&hd_scene>,
@@ -250,8 +250,8 @@ pub unsafe extern "C" fn hd_scene_occluded_many(
     unsafe { any(scene, ["rays", "occluded"], rays, occluded, count) }
 }
 
-/// Writes the items that are scenes on the way to a hit of this scene, the outermost first: their numbers, each in the scene
-/// that has it, as many as hit->depth says. instances has room for capacity of them.
+/// Writes the items that are scenes on the path to a hit of this scene, the outermost first: their indices, each in the
+/// scene that has it, as many as hit->depth says. instances has room for capacity of them.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_instances(
     scene: Option<&hd_scene>,

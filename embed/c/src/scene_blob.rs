@@ -9,8 +9,8 @@ use crate::border::{elements, handle, make};
 use crate::scene::hd_scene;
 use crate::status::{guard, hd_status};
 
-/// Writes a scene as of its last commit as a blob, with all trees and scenes in it: to bytes, if there is room for it, and its
-/// length to *size. Where bytes is NULL and capacity is 0 only the length is written.
+/// Writes a scene as of its last commit as a blob, with all trees and scenes in it: to bytes, if there is room for it,
+/// and its length to *size. Where bytes is NULL and capacity is 0 only the length is written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_save(
     scene: Option<&hd_scene>,
@@ -25,8 +25,9 @@ pub unsafe extern "C" fn hd_scene_save(
     })
 }
 
-/// Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of HD_BLOB_ALIGNMENT, and
-/// stays as it is until the scene, and every scene that it is in, is freed. Items and handles are those of hd_scene_load.
+/// Makes a scene of a blob whose trees are traced where they lie, without a copy: bytes is a multiple of
+/// HD_BLOB_ALIGNMENT, and stays as it is until the scene, and every scene that it is in, is freed. Items and handles
+/// are those of hd_scene_load.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_open(bytes: *const u8, size: usize, scene: *mut *mut hd_scene) -> hd_status {
     guard(|| {
@@ -40,8 +41,8 @@ pub unsafe extern "C" fn hd_scene_open(bytes: *const u8, size: usize, scene: *mu
     })
 }
 
-/// Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to trace.
-/// Items have the numbers that they had, and handles of generation 0.
+/// Makes a scene of a blob, which is copied and may lie anywhere, and is checked so that whatever it holds is safe to
+/// trace. Items have the numbers that they had, and handles of generation 0.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_scene_load(bytes: *const u8, size: usize, scene: *mut *mut hd_scene) -> hd_status {
     guard(|| {

@@ -48,7 +48,7 @@ impl Failure {
         Self { status, message: message.into() }
     }
 
-    /// The same, with what is wrong of several: "item", and its number.
+    /// The same, with what is wrong of several: "item", and its index.
     pub(crate) fn of(self, what: &str, number: usize) -> Self {
         Self { message: format!("{what} {number}: {}", self.message), ..self }
     }
@@ -65,8 +65,10 @@ impl Failure {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         let status = match error {
-            Error::TooManyTriangles { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
-            Error::InvalidScene(InvalidScene::TooManyPaths { .. } | InvalidScene::TooDeep { .. }) => HD_ERROR_LIMIT,
+            Error::TooManyPrimitives { .. } | Error::InvalidTree(InvalidTree::TooLarge { .. }) => HD_ERROR_LIMIT,
+            Error::InvalidScene(
+                InvalidScene::TooManyItems { .. } | InvalidScene::TooManyPaths { .. } | InvalidScene::TooDeep { .. },
+            ) => HD_ERROR_LIMIT,
             Error::InvalidScene(_) | Error::InvalidMesh(_) | Error::Refit(_) => HD_ERROR_VALUE,
             Error::InvalidTree(InvalidTree::BadKeys { .. }) => HD_ERROR_VALUE,
             Error::Misaligned { .. } => HD_ERROR_ALIGNMENT,
@@ -81,8 +83,8 @@ impl From<Error> for Failure {
 const ROOM: usize = 512;
 
 thread_local! {
-    /// Always at the same place, so that its address may be taken before the call that fails, as where both are arguments of
-    /// printf.
+    /// Always at the same place, so that its address may be taken before the call that fails, as where both are
+    /// arguments of printf.
     static LAST_ERROR: RefCell<[u8; ROOM]> = const { RefCell::new([0; ROOM]) };
 }
 
@@ -115,8 +117,8 @@ pub extern "C" fn hd_abi_version() -> u32 {
     HD_ABI_VERSION
 }
 
-/// What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed. It
-/// can be read until the thread's next call that fails, and belongs to the library.
+/// What was wrong in the last call of this thread that failed: a sentence in English, in UTF-8; empty if none failed.
+/// It can be read until the thread's next call that fails, and belongs to the library.
 #[unsafe(no_mangle)]
 pub extern "C" fn hd_last_error() -> *const c_char {
     LAST_ERROR.try_with(|last| last.borrow().as_ptr().cast()).unwrap_or(c"".as_ptr())

@@ -34,7 +34,7 @@ pub struct hd_hit {
     pub u: f32,
     /// Weight of the triangle's third corner.
     pub v: f32,
-    /// The triangle's number in its mesh; HD_NO_PRIM if nothing was hit.
+    /// The triangle's index in its mesh; HD_NO_PRIM if nothing was hit.
     pub prim_id: u32,
 }
 
@@ -157,8 +157,9 @@ pub(crate) unsafe fn any<T: Traceable>(
     })
 }
 
-/// Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min > t_max,
-/// or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50 to 2^50.
+/// Finds the nearest hit of a ray; of equally near ones that of the lowest prim_id. A ray hits nothing if t_min >
+/// t_max, or if it is out of limits: coordinates of the origin up to 2^42, and the largest of the direction from 2^-50
+/// to 2^50.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn hd_intersect(tree: Option<&hd_tree>, ray: *const hd_ray, hit: *mut hd_hit) -> hd_status {
     // SAFETY: the caller's promise.

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use halfdome_kernel::bvh::Serial;
 use halfdome_kernel::mesh::IndexedMesh;
 use halfdome_kernel::scene::Object;
 use halfdome_kernel::{BuildOptions, Bvh, BvhView, Quality};
@@ -140,12 +139,12 @@ pub(crate) unsafe fn build_options(options: *const hd_build_options) -> Result<B
     }
 }
 
-/// Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker than a
-/// new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is beyond 1.5.
-/// decay may be NULL. Hits are those of a new tree.
+/// Moves a tree to where the triangles of a mesh are now, which are as many as before and in the same order: quicker
+/// than a new tree, which pays when *decay, the cost of rays as a multiple of what it was when the tree was built, is
+/// beyond 1.5. decay may be NULL. Hits are those of a new tree.
 ///
-/// Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again; the tree
-/// is then copied first, as is one that was opened in a blob.
+/// Nobody may be tracing the tree. Scenes that it is in keep it as it was until hd_scene_set_item puts it there again;
+/// the tree is then copied first, as is one that was opened in a blob.
 ///
 /// HD_ERROR_VALUE if triangles that rays could hit are gone or new ones have come, as where two corners become one; the
 /// tree is then as it was.
@@ -160,10 +159,10 @@ pub unsafe extern "C" fn hd_tree_refit(tree: Option<&mut hd_tree>, mesh: *const 
         }
         let refit = |mesh: &IndexedMesh| {
             let refit = match &mut tree.0 {
-                Memory::Own(bvh) => Arc::make_mut(bvh).refit_mesh_on(&Serial, mesh)?,
+                Memory::Own(bvh) => Arc::make_mut(bvh).refit_mesh(mesh)?,
                 Memory::Blob { bytes, .. } => {
                     let mut bvh = Bvh::from_bytes(bytes)?;
-                    let refit = bvh.refit_mesh_on(&Serial, mesh)?;
+                    let refit = bvh.refit_mesh(mesh)?;
                     *tree = bvh.into();
                     refit
                 }

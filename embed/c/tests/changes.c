@@ -32,7 +32,7 @@ static uint32_t seen(const hd_scene *scene, float x, uint32_t mask) {
     ray.ray = ray_of(x + 0.25f, 0.25f, 1.0f, 0, 0, -1);
     ray.mask = mask;
     OK(hd_scene_intersect(scene, &ray, &hit));
-    return hit.hit.prim_id == HD_NO_PRIM ? NOTHING : hit.geometry_id;
+    return hit.hit.prim_id == HD_NO_PRIM ? NOTHING : hit.item;
 }
 
 static hd_commit commit(hd_scene *scene) {

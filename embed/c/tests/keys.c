@@ -22,7 +22,7 @@ static hd_item item_with(const hd_moving_tree *moving, const hd_tree *tree, cons
 }
 
 /* The distance down from z = 8 at (x, 0.25), infinite if there is nothing. */
-static float down(const hd_scene *scene, float x, float time, uint32_t *geometry_id) {
+static float down(const hd_scene *scene, float x, float time, uint32_t *item) {
     hd_scene_ray ray;
     hd_scene_hit hit, same;
     bool occluded = false;
@@ -33,7 +33,7 @@ static float down(const hd_scene *scene, float x, float time, uint32_t *geometry
     OK(hd_scene_intersect_many(scene, &ray, &same, 1));
     OK(hd_scene_occluded(scene, &ray, &occluded));
     CHECK(memcmp(&hit, &same, sizeof hit) == 0 && occluded == (hit.hit.prim_id != HD_NO_PRIM));
-    *geometry_id = hit.geometry_id;
+    *item = hit.item;
     return hit.hit.t;
 }
 

@@ -42,7 +42,7 @@ static uint32_t judge(void *user, const hd_hit *hit) {
 }
 
 static uint32_t judge_in_scene(void *user, const hd_scene_hit *hit) {
-    return hit->geometry_id == 1 ? judge(user, &hit->hit) : (uint32_t)HD_REJECT;
+    return hit->item == 1 ? judge(user, &hit->hit) : (uint32_t)HD_REJECT;
 }
 
 /* The layers, and the same ones higher. */
@@ -89,7 +89,7 @@ static void filters(void) {
     OK(hd_occluded_filtered(tree, &ray, judge, &third, &occluded));
     CHECK(occluded);
     OK(hd_scene_intersect_filtered(scene, &scene_ray, judge_in_scene, &third, &scene_hit));
-    CHECK(scene_hit.hit.prim_id == 3 && scene_hit.geometry_id == 1 && scene_hit.hit.t == 13);
+    CHECK(scene_hit.hit.prim_id == 3 && scene_hit.item == 1 && scene_hit.hit.t == 13);
     OK(hd_scene_occluded_filtered(scene, &scene_ray, judge_in_scene, &third, &occluded));
     CHECK(occluded);
 
@@ -139,7 +139,7 @@ static void all_hits(void) {
     OK(hd_scene_nearest_hits(scene, &scene_ray, scene_hits, 2 * LAYERS, &count));
     CHECK(count == 2 * LAYERS);
     for (uint32_t i = 0; i < 2 * LAYERS; i++) {
-        CHECK(scene_hits[i].geometry_id == (i < LAYERS ? 1u : 0u) && scene_hits[i].hit.prim_id == i % LAYERS);
+        CHECK(scene_hits[i].item == (i < LAYERS ? 1u : 0u) && scene_hits[i].hit.prim_id == i % LAYERS);
     }
     scene_ray.mask = 4;
     OK(hd_scene_nearest_hits(scene, &scene_ray, NULL, 0, &count));
@@ -168,14 +168,14 @@ static void closest_points(void) {
 
     /* The upper layers end at z = 5. */
     OK(hd_scene_closest_point(scene, point, INFINITY, 0, 0, closest, &scene_hit));
-    CHECK(scene_hit.geometry_id == 0 && scene_hit.hit.t == 2 && closest[2] == 0);
+    CHECK(scene_hit.item == 0 && scene_hit.hit.t == 2 && closest[2] == 0);
     OK(hd_scene_closest_point(scene, point, INFINITY, 0, 2, closest, &scene_hit));
-    CHECK(scene_hit.geometry_id == 0 && scene_hit.hit.prim_id == 0);
+    CHECK(scene_hit.item == 0 && scene_hit.hit.prim_id == 0);
     const float high[3] = {0.25f, 0.25f, 4.0f};
     OK(hd_scene_closest_point(scene, high, INFINITY, 0, 0, closest, &scene_hit));
-    CHECK(scene_hit.geometry_id == 1 && scene_hit.hit.prim_id == 5 && scene_hit.hit.t == 1 && closest[2] == 5);
+    CHECK(scene_hit.item == 1 && scene_hit.hit.prim_id == 5 && scene_hit.hit.t == 1 && closest[2] == 5);
     OK(hd_scene_closest_point(scene, high, INFINITY, 0, 1, closest, &scene_hit));
-    CHECK(scene_hit.geometry_id == 0 && scene_hit.hit.t == 4);
+    CHECK(scene_hit.item == 0 && scene_hit.hit.t == 4);
 
     FAILS(HD_ERROR_VALUE, "point has a NaN", hd_closest_point(tree, nan, 1, closest, &hit));
     FAILS(HD_ERROR_VALUE, "radius is -1", hd_closest_point(tree, point, -1, closest, &hit));
@@ -208,7 +208,7 @@ static void overlaps(void) {
     CHECK(count == 8);
     int lower = 0;
     for (size_t i = 0; i < count; i++) {
-        lower += hits[i].geometry_id == 0;
+        lower += hits[i].item == 0;
         CHECK(hits[i].hit.t == 0);
     }
     CHECK(lower == 4);
@@ -258,7 +258,7 @@ static void refits(void) {
     memset(&ray, 0, sizeof ray);
     ray.ray = here;
     OK(hd_scene_intersect(scene, &ray, &scene_hit));
-    CHECK(scene_hit.geometry_id == 0 && scene_hit.hit.t == 1);
+    CHECK(scene_hit.item == 0 && scene_hit.hit.t == 1);
     hd_item item;
     hd_handle handle;
     memset(&item, 0, sizeof item);
@@ -271,7 +271,7 @@ static void refits(void) {
     CHECK(scene_hit.hit.prim_id == HD_NO_PRIM);
     ray.ray = there;
     OK(hd_scene_intersect(scene, &ray, &scene_hit));
-    CHECK(scene_hit.geometry_id == 0 && scene_hit.hit.t == 1);
+    CHECK(scene_hit.item == 0 && scene_hit.hit.t == 1);
 
     /* What cannot be followed leaves the tree as it was. */
     hd_mesh fewer = moved;

@@ -35,18 +35,18 @@ static const float raised[12] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 3};
 
 static void check_scene(const hd_scene *scene) {
     hd_scene_hit hit = down(scene, 0.0f, 0.0f);
-    CHECK(hit.hit.t == 7.0f && hit.geometry_id == 0 && hit.hit.prim_id == 0);
+    CHECK(hit.hit.t == 7.0f && hit.item == 0 && hit.hit.prim_id == 0);
     /* The sphere without a radius is not there, and the others keep their numbers. */
     CHECK(down(scene, 5.0f, 0.0f).hit.prim_id == HD_NO_PRIM);
     hit = down(scene, 10.0f, 0.0f);
-    CHECK(hit.hit.t == 6.0f && hit.geometry_id == 0 && hit.hit.prim_id == 2);
+    CHECK(hit.hit.t == 6.0f && hit.item == 0 && hit.hit.prim_id == 2);
     /* Half of a radius from the centre, and raised by 3. */
     hit = down(scene, 20.0f, 1.0f);
-    CHECK(hit.hit.t == 4.0f && hit.geometry_id == 1 && hit.hit.u == 0.5f && hit.hit.v == 0.0f);
+    CHECK(hit.hit.t == 4.0f && hit.item == 1 && hit.hit.u == 0.5f && hit.hit.v == 0.0f);
     hit = down(scene, 30.0f, 1.0f);
-    CHECK(hit.hit.t == 7.0f && hit.geometry_id == 2 && hit.hit.u == 0.25f);
+    CHECK(hit.hit.t == 7.0f && hit.item == 2 && hit.hit.u == 0.25f);
     hit = down(scene, 40.0f, 1.5f);
-    CHECK(fabsf(hit.hit.t - 7.0f) < 0.005f && hit.geometry_id == 3 && fabsf(hit.hit.u - 0.5f) < 0.01f);
+    CHECK(fabsf(hit.hit.t - 7.0f) < 0.005f && hit.item == 3 && fabsf(hit.hit.u - 0.5f) < 0.01f);
 }
 
 static hd_scene *scene_of_all(void) {

@@ -31,7 +31,7 @@ static hd_scene_ray ray_at(float x, float y, float time, uint32_t mask) {
 #define NO_INSTANCE 0xFFFFFFFFu
 
 /* The ray straight down at (x, y) hits at z = 8 - t, or nothing at t = 0. */
-static void expect(const hd_scene *scene, hd_scene_ray ray, float t, uint32_t geometry_id, uint32_t instance) {
+static void expect(const hd_scene *scene, hd_scene_ray ray, float t, uint32_t item, uint32_t instance) {
     hd_scene_hit hit;
     bool occluded;
     uint32_t found = NO_INSTANCE;
@@ -39,7 +39,7 @@ static void expect(const hd_scene *scene, hd_scene_ray ray, float t, uint32_t ge
     OK(hd_scene_occluded(scene, &ray, &occluded));
     CHECK(occluded == (t != 0.0f) && (hit.hit.prim_id == HD_NO_PRIM) == (t == 0.0f));
     if (t != 0.0f) {
-        CHECK(hit.hit.t == t && hit.hit.prim_id == 0 && hit.geometry_id == geometry_id);
+        CHECK(hit.hit.t == t && hit.hit.prim_id == 0 && hit.item == item);
         CHECK(hit.depth == (instance == NO_INSTANCE ? 0 : 1));
         OK(hd_scene_instances(scene, &hit, &found, 1));
         CHECK(found == instance);

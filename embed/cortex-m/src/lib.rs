@@ -1,8 +1,8 @@
 //! The built-in scene under ambient occlusion, as text: one program for the microcontroller and for the host, so that
 //! both must draw the same characters and find the same hits.
 //!
-//! A pixel is one camera ray, and where it hits a surface [`FEELERS`] rays into the hemisphere over it: the more of them
-//! reach [`REACH`] without a hit, the lighter.
+//! A pixel is one camera ray, and where it hits a surface [`FEELERS`] rays into the hemisphere over it: the more of
+//! them reach [`REACH`] without a hit, the lighter.
 #![no_std]
 #![forbid(unsafe_code)]
 
@@ -110,7 +110,7 @@ impl Report {
     }
 }
 
-/// The triangles by their numbers, out of the tree's blocks.
+/// The triangles by their indices, out of the tree's blocks.
 fn triangles(tree: &BvhView) -> [Triangle; TRIANGLES] {
     let mut triangles = [[Vec3::ZERO; 3]; TRIANGLES];
     for block in tree.blocks() {

@@ -1,5 +1,5 @@
-//! Splitting many primitives by bins: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies", on all
-//! three axes, with the cost of blocks of `b` primitives:
+//! Splitting many primitives by bins: Wald 2007, "On fast Construction of SAH-based Bounding Volume Hierarchies", on
+//! all three axes, with the cost of blocks of `b` primitives:
 //!
 //! ```text
 //! cost(split) = A(left) ceil(left / b) + A(right) ceil(right / b)
@@ -97,7 +97,8 @@ impl Bins {
         }
     }
 
-    /// The cheapest split if `lanes` primitives fill a block; `None` if all are in one bin along each axis. Of equally cheap ones the most balanced.
+    /// The cheapest split if `lanes` primitives fill a block; `None` if all are in one bin along each axis. Of equally
+    /// cheap ones the most balanced.
     pub(super) fn best(&self, binning: &Binning, lanes: u32) -> Option<Split> {
         let blocks = |prims: u32| prims.div_ceil(lanes) as f32;
         let count = binning.count;

@@ -56,7 +56,8 @@ const _: () = assert!(size_of::<Header>() == HEADER && HEADER.is_multiple_of(BLO
 #[repr(C, align(64))]
 pub struct Aligned<T: ?Sized>(pub T);
 
-/// The bytes of a file as a `&'static [u8]` that [`BvhView::from_bytes`] can borrow; the path is as in [`include_bytes!`].
+/// The bytes of a file as a `&'static [u8]` that [`BvhView::from_bytes`] can borrow; the path is as in
+/// [`include_bytes!`].
 ///
 /// ```ignore
 /// static SCENE: &[u8] = halfdome_kernel::include_blob!("scene.bvh");
@@ -71,8 +72,8 @@ macro_rules! include_blob {
 }
 
 impl<'a> BvhView<'a> {
-    /// Borrows the tree in a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and no
-    /// memory.
+    /// Borrows the tree in a blob, which begins at a multiple of [`BLOB_ALIGNMENT`] bytes. Takes one pass over it, and
+    /// no memory.
     ///
     /// # Errors
     /// - [`Error::NotABlob`], [`Error::WrongEndianness`], [`Error::UnsupportedVersion`]: the first bytes do not match.

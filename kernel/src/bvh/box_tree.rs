@@ -10,8 +10,7 @@ use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::{BoxTreeView, Node, WIDTH, fit, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::Aabb;
-use crate::geometry::round::RoundFault;
+use crate::geometry::{Aabb, PrimitiveFault};
 
 /// A tree over boxes that owns its memory.
 #[derive(Clone, Debug)]
@@ -47,9 +46,9 @@ impl BoxTree {
             let mut prims = Vec::with_capacity(count);
             for item in 0..count {
                 if at_keys(item).any(Aabb::is_empty) {
-                    report.drop(item as u32, RoundFault::Degenerate);
+                    report.drop(item as u32, PrimitiveFault::Degenerate);
                 } else if !at_keys(item).all(Aabb::is_usable) {
-                    report.drop(item as u32, RoundFault::OutOfRange);
+                    report.drop(item as u32, PrimitiveFault::OutOfRange);
                 } else {
                     prims.push(Primitive::new(&mean(at_keys(item).copied(), keys), item as u32));
                 }
@@ -104,8 +103,8 @@ impl BoxTree {
         self.bounds = self.nodes.chunks(count).fold(Aabb::EMPTY, |sum, nodes| sum.union(&nodes[0].bounds()));
     }
 
-    /// Memory of nodes and numbers in bytes.
-    pub fn bytes(&self) -> usize {
+    /// Memory of nodes and indices in bytes.
+    pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.items[..])
     }
 

@@ -22,8 +22,8 @@ impl<'a> BoxTreeView<'a> {
     /// boxes. `boxes` gives the box of an item at a key, and `None` for an item that does not exist.
     ///
     /// # Errors
-    /// [`InvalidTree`] says what is wrong, as for a tree of triangles; [`InvalidTree::BadItem`] is an item without a box, and
-    /// [`InvalidTree::BadKeys`] says that the keys differ in more than their boxes.
+    /// [`InvalidTree`] says what is wrong, as for a tree of triangles; [`InvalidTree::BadItem`] is an item without a
+    /// box, and [`InvalidTree::BadKeys`] says that the keys differ in more than their boxes.
     pub fn new(
         nodes: &'a [Node],
         items: &'a [u32],

@@ -13,10 +13,9 @@ use super::options::{BuildOptions, Effort, Quality};
 use super::primitive::Primitive;
 use super::{BvhView, MAX_STACK, reinsertion, top_down};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::round::RoundFault;
 #[cfg(doc)]
 use crate::geometry::round::RoundPrimitive;
-use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle};
+use crate::geometry::{Aabb, Hit, MAX_COORDINATE, PrimitiveFault, Triangle};
 use crate::mesh::Mesh;
 
 /// A tree that owns its memory.
@@ -39,10 +38,10 @@ pub struct Bvh {
 pub struct BuildReport {
     /// Primitives in the tree.
     pub kept: usize,
-    /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one less
-    /// than zero, discs without a normal, empty boxes.
+    /// Primitives that no ray hits: triangles with two equal corners, points and curves whose radii are all zero or one
+    /// less than zero, discs without a normal, empty boxes.
     pub degenerate: usize,
-    /// Primitives with a number that is NaN or infinite.
+    /// Primitives with a coordinate or radius that is NaN or infinite.
     pub not_finite: usize,
     /// Primitives that reach beyond [`MAX_COORDINATE`].
     pub out_of_range: usize,
@@ -65,33 +64,34 @@ pub struct TreeStatistics {
     pub triangles: usize,
     /// Nodes on the longest path from the root to a leaf.
     pub depth: usize,
-    /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a block.
+    /// Expected cost of a random ray that meets the scene's box (surface area heuristic): 1 a node visited, 0.6 a
+    /// block.
     pub cost: f32,
     /// Memory of nodes and blocks in bytes.
-    pub bytes: usize,
+    pub memory_bytes: usize,
     /// Entries that the stack of a traversal needs, of [`MAX_STACK`].
     pub stack: u32,
 }
 
 impl BuildReport {
-    /// Triangles that are not in the tree, for any reason.
+    /// Primitives that are not in the tree, for any reason.
     pub fn dropped(&self) -> usize {
         self.degenerate + self.not_finite + self.out_of_range
     }
 
     /// Counts a primitive that is left out; they come in their order.
-    pub(super) fn drop(&mut self, prim_id: u32, fault: RoundFault) {
+    pub(super) fn drop(&mut self, prim_id: u32, fault: PrimitiveFault) {
         self.first_dropped.get_or_insert(prim_id);
         match fault {
-            RoundFault::NotFinite => self.not_finite += 1,
-            RoundFault::OutOfRange => self.out_of_range += 1,
-            RoundFault::Degenerate => self.degenerate += 1,
+            PrimitiveFault::NotFinite => self.not_finite += 1,
+            PrimitiveFault::OutOfRange => self.out_of_range += 1,
+            PrimitiveFault::Degenerate => self.degenerate += 1,
         }
     }
 }
 
 impl fmt::Display for BuildReport {
-    /// Prints for example `12 triangles kept, 3 dropped: 2 with two equal corners, 1 not finite`.
+    /// Prints for example `12 primitives kept, 3 dropped, the first of them 4: 2 degenerate, 1 not finite`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let plural = if self.kept == 1 { "" } else { "s" };
         write!(f, "{} primitive{plural} kept, {} dropped", self.kept, self.dropped())?;
@@ -118,7 +118,7 @@ impl Bvh {
     /// Triangles that no ray can hit are left out and counted. The tree depends on the triangles and options alone.
     ///
     /// # Errors
-    /// [`Error::TooManyTriangles`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
+    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](Self::MAX_TRIANGLES), and [`InvalidTree::TooLarge`] if
     /// fewer do not fit, as blocks are not full.
     pub fn build(triangles: &[Triangle], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, triangles, options)
@@ -192,7 +192,7 @@ impl Bvh {
             triangles: used.count(),
             depth,
             cost: self.cost,
-            bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
+            memory_bytes: size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..]),
             stack: self.stack,
         }
     }
@@ -245,7 +245,7 @@ fn attempt<E: Executor, C: Contents + ?Sized>(
 
 pub(super) fn check_count(count: usize) -> Result<(), Error> {
     let limit = Bvh::MAX_TRIANGLES;
-    if count > limit { Err(Error::TooManyTriangles { count, limit }) } else { Ok(()) }
+    if count > limit { Err(Error::TooManyPrimitives { count, limit }) } else { Ok(()) }
 }
 
 /// The triangles that a ray can hit; counts them and the others.
@@ -255,11 +255,11 @@ pub(super) fn usable<M: Mesh + ?Sized>(mesh: &M, report: &mut BuildReport) -> Ve
     for prim_id in 0..mesh.len() {
         let triangle = &mesh.triangle(prim_id);
         if !triangle.iter().all(|p| p.is_finite()) {
-            report.drop(prim_id as u32, RoundFault::NotFinite);
+            report.drop(prim_id as u32, PrimitiveFault::NotFinite);
         } else if !in_range(triangle) {
-            report.drop(prim_id as u32, RoundFault::OutOfRange);
+            report.drop(prim_id as u32, PrimitiveFault::OutOfRange);
         } else if is_degenerate(triangle) {
-            report.drop(prim_id as u32, RoundFault::Degenerate);
+            report.drop(prim_id as u32, PrimitiveFault::Degenerate);
         } else {
             prims.push(Primitive::new(&Aabb::around(triangle), prim_id as u32));
         }
@@ -323,7 +323,7 @@ mod tests {
         assert_eq!(Bvh::MAX_TRIANGLES, (1 << 29) - 1);
         assert_eq!(check_count(Bvh::MAX_TRIANGLES), Ok(()));
         let error = check_count(Bvh::MAX_TRIANGLES + 1).unwrap_err();
-        assert_eq!(error, Error::TooManyTriangles { count: 1 << 29, limit: (1 << 29) - 1 });
-        assert_eq!(alloc::format!("{error}"), "536870912 triangles are too many: a tree holds 536870911 at most");
+        assert_eq!(error, Error::TooManyPrimitives { count: 1 << 29, limit: (1 << 29) - 1 });
+        assert_eq!(alloc::format!("{error}"), "536870912 primitives are too many: a tree holds 536870911 at most");
     }
 }

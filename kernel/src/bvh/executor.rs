@@ -71,7 +71,7 @@ mod tests {
             assert!(report == same && bits(&one) == bits(&many));
             let moved: alloc::vec::Vec<_> = triangles.iter().map(|corners| corners.map(|p| p * 2.0 - p.x)).collect();
             let refit = one.refit(&moved).unwrap();
-            assert_eq!(many.refit_mesh_on(&RayonExecutor, &moved[..]).unwrap(), refit);
+            assert_eq!(many.refit_on(&RayonExecutor, &moved).unwrap(), refit);
             assert!(bits(&one) == bits(&many));
         }
     }

@@ -21,8 +21,8 @@ pub(super) fn fit_on<E: Executor>(executor: &E, nodes: &mut [Node], leaf: &(impl
     }
 }
 
-/// Fits a node and all `below` it, of which the first has the index `first`: the node's inner children, then what is below
-/// the first of them, then what is below the second …
+/// Fits a node and all `below` it, of which the first has the index `first`: the node's inner children, then what is
+/// below the first of them, then what is below the second …
 fn fit_below<E: Executor, F: Fn(Range<usize>) -> Aabb + Sync>(
     executor: &E,
     node: &mut Node,

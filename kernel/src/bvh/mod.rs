@@ -6,7 +6,7 @@
 //! moves a tree's triangles. [`BvhView`] borrows the result, wherever it is stored; as a [`blob`] it can be written to
 //! a file and traced there.
 //!
-//! A [`RoundView`] has blocks of points or curves, all of one kind, and the same nodes.
+//! A [`RoundBvhView`] has blocks of points or curves, all of one kind, and the same nodes.
 
 #[cfg(any(feature = "alloc", test))]
 mod binary;
@@ -75,7 +75,8 @@ pub use executor::{Executor, Serial};
 pub use lookup::TriangleIndex;
 #[cfg(any(feature = "alloc", test))]
 pub use moving::MovingBvh;
-pub use moving_view::MovingView;
+pub use moving_view::MovingBvhView;
+pub(crate) use node::SLOTS_IN_ORDER;
 pub use node::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 #[cfg(any(feature = "alloc", test))]
 pub use options::{BuildOptions, Quality, UnknownQuality};
@@ -85,7 +86,7 @@ pub use round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, 
 pub(crate) use round_block::{used_lanes, with_blocks};
 #[cfg(any(feature = "alloc", test))]
 pub use round_tree::{RoundBuild, RoundBvh};
-pub use round_view::RoundView;
+pub use round_view::RoundBvhView;
 pub use view::BvhView;
 
 #[cfg(test)]

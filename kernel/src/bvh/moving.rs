@@ -8,10 +8,9 @@ use super::contents::{Contents, LeafShape, TRIANGLES};
 use super::executor::{Executor, Serial};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
-use super::{MovingView, Node, TriangleBlock, fit, validate};
+use super::{MovingBvhView, Node, TriangleBlock, fit, validate};
 use crate::error::{Error, InvalidTree};
-use crate::geometry::round::RoundFault;
-use crate::geometry::{Aabb, Triangle};
+use crate::geometry::{Aabb, PrimitiveFault, Triangle};
 
 /// A tree of moving triangles that owns its memory.
 #[derive(Clone, Debug)]
@@ -24,12 +23,12 @@ pub struct MovingBvh {
 }
 
 impl MovingBvh {
-    /// Builds a tree over triangles that are where `keys` say at times evenly spaced over 0..=1, and move in straight lines
-    /// between. A hit's `prim_id` is an index into each of the keys. Triangles that no ray can hit at any time are left out
-    /// and counted, and those that are beyond the limits at some time.
+    /// Builds a tree over triangles that are where `keys` say at times evenly spaced over 0..=1, and move in straight
+    /// lines between. A hit's `prim_id` is an index into each of the keys. Triangles that no ray can hit at any time
+    /// are left out and counted, and those that are beyond the limits at some time.
     ///
     /// # Errors
-    /// [`InvalidTree::BadKeys`] if there are no keys or they differ in length, [`Error::TooManyTriangles`], and
+    /// [`InvalidTree::BadKeys`] if there are no keys or they differ in length, [`Error::TooManyPrimitives`], and
     /// [`InvalidTree::TooLarge`].
     pub fn build(keys: &[&[Triangle]], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, keys, options)
@@ -56,9 +55,9 @@ impl MovingBvh {
             for index in 0..count {
                 let at_keys = || keys.iter().map(|triangles| &triangles[index]);
                 if !at_keys().all(in_range) {
-                    report.drop(index as u32, RoundFault::OutOfRange);
+                    report.drop(index as u32, PrimitiveFault::OutOfRange);
                 } else if never_has_area(at_keys()) {
-                    report.drop(index as u32, RoundFault::Degenerate);
+                    report.drop(index as u32, PrimitiveFault::Degenerate);
                 } else {
                     let boxes = at_keys().map(|triangle| Aabb::around(triangle));
                     prims.push(Primitive::new(&mean(boxes, keys.len()), index as u32));
@@ -84,12 +83,12 @@ impl MovingBvh {
             tree.nodes.append(&mut nodes);
             tree.blocks.append(&mut blocks);
         }
-        tree.bounds = MovingView::trusted(&tree.nodes, &tree.blocks, tree.keys).bounds();
+        tree.bounds = MovingBvhView::trusted(&tree.nodes, &tree.blocks, tree.keys).bounds();
         Ok((tree, report))
     }
 
     /// A copy of a tree in borrowed memory.
-    pub(crate) fn copy_of(tree: &MovingView) -> Self {
+    pub(crate) fn copy_of(tree: &MovingBvhView) -> Self {
         let keys = 0..tree.keys();
         let nodes = keys.clone().flat_map(|key| tree.nodes(key)).copied().collect();
         let blocks = keys.flat_map(|key| tree.blocks(key)).copied().collect();
@@ -97,13 +96,13 @@ impl MovingBvh {
     }
 
     /// Memory of nodes and blocks in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         size_of_val(&self.nodes[..]) + size_of_val(&self.blocks[..])
     }
 
     /// Borrows the tree for tracing.
-    pub fn view(&self) -> MovingView<'_> {
-        MovingView::with_bounds(&self.nodes, &self.blocks, self.keys, self.bounds)
+    pub fn view(&self) -> MovingBvhView<'_> {
+        MovingBvhView::with_bounds(&self.nodes, &self.blocks, self.keys, self.bounds)
     }
 }
 

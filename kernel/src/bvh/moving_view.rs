@@ -9,14 +9,14 @@ use crate::geometry::Aabb;
 
 /// A tree of moving triangles in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
-pub struct MovingView<'a> {
+pub struct MovingBvhView<'a> {
     nodes: &'a [Node],
     blocks: &'a [TriangleBlock],
     keys: usize,
     bounds: Aabb,
 }
 
-impl<'a> MovingView<'a> {
+impl<'a> MovingBvhView<'a> {
     /// Borrows a tree of `keys` keys, with nodes and blocks stored key by key.
     ///
     /// # Errors

@@ -18,8 +18,8 @@ pub const MAX_STACK: usize = 192;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct Node {
-    /// `planes[axis][side][slot]`: the boxes' lower (side 0) and upper (side 1) bounds. An empty slot's box is inside out
-    /// (`+∞ … -∞`).
+    /// `planes[axis][side][slot]`: the boxes' lower (side 0) and upper (side 1) bounds. An empty slot's box is inside
+    /// out (`+∞ … -∞`).
     pub planes: [[[f32; WIDTH]; 2]; 3],
     /// The contents, as [`Child::pack`] encodes them.
     pub children: [u32; WIDTH],
@@ -67,7 +67,8 @@ impl Child {
     /// its index; all bits set are nothing.
     ///
     /// # Panics
-    /// If an index is not less than [`MAX_INDEX`](Self::MAX_INDEX), or a count not 1 to [`MAX_BLOCKS`](Self::MAX_BLOCKS).
+    /// If an index is not less than [`MAX_INDEX`](Self::MAX_INDEX), or a count not 1 to
+    /// [`MAX_BLOCKS`](Self::MAX_BLOCKS).
     pub fn pack(self) -> u32 {
         let in_range = match self {
             Self::Empty => true,
@@ -125,7 +126,7 @@ impl Child {
 }
 
 /// The slots from 0 to 7, three bits each.
-const SLOTS_IN_ORDER: u32 = 0o76543210;
+pub(crate) const SLOTS_IN_ORDER: u32 = 0o76543210;
 
 impl Node {
     /// A node without children.

@@ -25,10 +25,11 @@ use crate::geometry::{Aabb, Triangle};
 use crate::mesh::Mesh;
 
 impl Bvh {
-    /// Makes a tree of `tree`, which was built over `triangles` or their boxes: its `primitive_indices` are indices into them.
+    /// Makes a tree of `tree`, which was built over `triangles` or their boxes: its `primitive_indices` are indices
+    /// into them.
     ///
-    /// Triangles that no ray can hit are left out and counted. Where spatial splits have put one into several leaves, the
-    /// first of them counts.
+    /// Triangles that no ray can hit are left out and counted. Where spatial splits have put one into several leaves,
+    /// the first of them counts.
     ///
     /// # Errors
     /// - [`InvalidTree::BadChild`] if `tree` is not a tree: a node does not exist, or has two parents.

@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 
 /// The least memory worth a request, in bytes.
-const LEAST: usize = 4 << 20;
+const MIN_BYTES: usize = 4 << 20;
 
 /// `len` copies of `value`, in large pages if possible.
 pub(super) fn filled<T: Copy>(value: T, len: usize) -> Vec<T> {
@@ -19,7 +19,7 @@ pub(super) fn filled<T: Copy>(value: T, len: usize) -> Vec<T> {
 
 /// The same elements, in large pages if possible.
 pub(super) fn moved<T: Copy>(elements: Vec<T>) -> Vec<T> {
-    if size_of_val(&elements[..]) < LEAST {
+    if size_of_val(&elements[..]) < MIN_BYTES {
         return elements;
     }
     let mut memory = Vec::with_capacity(elements.len());
@@ -41,7 +41,7 @@ fn ask<T>(memory: &mut Vec<T>) {
     let start = memory.as_mut_ptr().cast::<u8>();
     let before = start.align_offset(PAGE);
     let bytes = size_of_val(memory).saturating_sub(before) / PAGE * PAGE;
-    if bytes >= LEAST {
+    if bytes >= MIN_BYTES {
         // SAFETY: these are whole pages of memory that this vector owns, and the advice does not change its contents.
         // If it is refused, the pages stay small.
         let _ = unsafe { libc::madvise(start.add(before).cast(), bytes, libc::MADV_HUGEPAGE) };

@@ -1,8 +1,8 @@
 //! Chooses the eight-wide tree of least expected cost that can be made of a binary tree, after Ylitie, Karras and Laine
 //! 2017, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3.
 //!
-//! For each binary node `n` and each `i` from 1 to 7, `cost(n, i)` is the least cost of showing the subtree of `n` as at
-//! most `i` roots of wide subtrees; `A` is a node's surface area:
+//! For each binary node `n` and each `i` from 1 to 7, `cost(n, i)` is the least cost of showing the subtree of `n` as
+//! at most `i` roots of wide subtrees; `A` is a node's surface area:
 //!
 //! ```text
 //! cost(n, 1) = min( A(n) NODE + split(n, 8),  A(n) BLOCK blocks(n) if the primitives of n fit into a leaf )

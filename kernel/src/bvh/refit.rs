@@ -25,9 +25,9 @@ pub struct Refit {
 }
 
 impl Refit {
-    /// The [`cost_ratio`](Self::cost_ratio) from which on a rebuild usually pays. Where sheets and clouds of triangles twist or
-    /// drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or three
-    /// rays a triangle.
+    /// The [`cost_ratio`](Self::cost_ratio) from which on a rebuild usually pays. Where sheets and clouds of triangles
+    /// twist or drift so far, rays visit 1.1 to 1.7 times as much as in a new tree, and a build takes as long as two or
+    /// three rays a triangle.
     pub const REBUILD_COST_RATIO: f32 = 1.5;
 
     /// Whether a rebuild is advisable.
@@ -45,11 +45,27 @@ impl Bvh {
     /// out of limits or has two equal corners, or one that was left out when the tree was built could be hit now. The
     /// tree is then unchanged.
     pub fn refit(&mut self, triangles: &[Triangle]) -> Result<Refit, Error> {
-        self.refit_mesh_on(&Serial, triangles)
+        self.refit_on(&Serial, triangles)
     }
 
-    /// Like [`refit`](Self::refit), to triangles in another layout, on the threads of `executor`. The tree does not
-    /// depend on it.
+    /// Like [`refit`](Self::refit), on the threads of `executor`. The tree does not depend on it.
+    ///
+    /// # Errors
+    /// The errors of [`refit`](Self::refit).
+    pub fn refit_on<E: Executor>(&mut self, executor: &E, triangles: &[Triangle]) -> Result<Refit, Error> {
+        self.refit_mesh_on(executor, triangles)
+    }
+
+    /// Like [`refit`](Self::refit), to triangles in another layout, such as an
+    /// [`IndexedMesh`](crate::mesh::IndexedMesh).
+    ///
+    /// # Errors
+    /// The errors of [`refit`](Self::refit).
+    pub fn refit_mesh<M: Mesh + ?Sized>(&mut self, mesh: &M) -> Result<Refit, Error> {
+        self.refit_mesh_on(&Serial, mesh)
+    }
+
+    /// Like [`refit_mesh`](Self::refit_mesh), on the threads of `executor`.
     ///
     /// # Errors
     /// The errors of [`refit`](Self::refit).

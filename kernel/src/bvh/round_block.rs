@@ -8,7 +8,7 @@ use crate::geometry::round::{LineTest, RayFrame, RoundPrimitive};
 use crate::geometry::{Aabb, CubicCurve, Disc, Hit, LinearCurve, Sphere};
 
 /// Eight primitives of a kind.
-pub trait RoundBlock: Pod + Send + Sync {
+pub trait RoundBlock: LaneTest + Pod + Send + Sync {
     /// The kind.
     type Primitive: RoundPrimitive;
 
@@ -23,9 +23,11 @@ pub trait RoundBlock: Pod + Send + Sync {
 
     /// The primitives' indices; [`Hit::NO_PRIM`] in unused lanes.
     fn prim_ids(&self) -> &[u32; WIDTH];
+}
 
-    /// The lanes that the ray may hit, by their margins.
-    #[doc(hidden)]
+/// The test of all lanes of a block.
+pub trait LaneTest {
+    /// A bit mask of the lanes that the ray may hit, by their margins.
     fn lanes_near(&self, frame: &RayFrame) -> u32;
 }
 
@@ -66,7 +68,9 @@ macro_rules! block {
             fn prim_ids(&self) -> &[u32; WIDTH] {
                 &self.prim_id
             }
+        }
 
+        impl LaneTest for $block {
             #[inline(always)]
             fn lanes_near(&self, frame: &RayFrame) -> u32 {
                 let mut margins = [0.0; WIDTH];

@@ -2,14 +2,14 @@
 
 use alloc::vec::Vec;
 
-use super::build::{BuildReport, build_tree};
+use super::build::{BuildReport, build_tree, check_count};
 use super::contents::{Contents, LeafShape};
 use super::executor::{Executor, Serial};
-use super::node::{Child, Node, WIDTH};
+use super::node::{Node, WIDTH};
 use super::options::BuildOptions;
 use super::primitive::Primitive;
 use super::round_block::{CubicCurveBlock, DiscBlock, LinearCurveBlock, RoundBlock, SphereBlock, leaf_bounds};
-use super::{Bvh, RoundBlocks, RoundView, validate};
+use super::{RoundBlocks, RoundBvhView, validate};
 use crate::error::{Error, InvalidTree};
 use crate::geometry::round::RoundPrimitive;
 use crate::geometry::{Aabb, CubicCurve, Disc, LinearCurve, Sphere};
@@ -30,19 +30,22 @@ pub enum Blocks {
     CubicCurves(Vec<CubicCurveBlock>),
 }
 
-/// The primitives that trees can be built over.
-pub trait RoundBuild: RoundPrimitive {
-    #[doc(hidden)]
+/// The primitives that a [`RoundBvh`] can be built over: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
+pub trait RoundBuild: InBlocks {}
+
+impl<P: InBlocks> RoundBuild for P {}
+
+/// A primitive that is stored in blocks.
+pub trait InBlocks: RoundPrimitive {
     type Block: RoundBlock<Primitive = Self>;
-    #[doc(hidden)]
+    /// The cost of a block's test, in units of that of a node.
     const BLOCK_COST: f32;
-    #[doc(hidden)]
     fn keep(blocks: Vec<Self::Block>) -> Blocks;
 }
 
 macro_rules! build {
     ($($primitive:ident: $block:ident, $kind:ident, $cost:literal;)*) => {$(
-        impl RoundBuild for $primitive {
+        impl InBlocks for $primitive {
             type Block = $block;
             const BLOCK_COST: f32 = $cost;
             fn keep(blocks: Vec<$block>) -> Blocks {
@@ -67,8 +70,8 @@ impl RoundBvh {
     /// for each linear and 115 for each cubic curve, nodes included.
     ///
     /// # Errors
-    /// [`InvalidTree::TooLarge`] if there are more primitives than a tree can hold:
-    /// [`MAX_TRIANGLES`](Bvh::MAX_TRIANGLES), or fewer where blocks are not full.
+    /// [`Error::TooManyPrimitives`] beyond [`MAX_TRIANGLES`](super::Bvh::MAX_TRIANGLES), and [`InvalidTree::TooLarge`]
+    /// if fewer do not fit, as blocks are not full.
     pub fn build<P: RoundBuild>(primitives: &[P], options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, primitives, options)
     }
@@ -83,9 +86,7 @@ impl RoundBvh {
         primitives: &[P],
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        if primitives.len() > Bvh::MAX_TRIANGLES {
-            return Err(InvalidTree::TooLarge { limit: Child::MAX_INDEX }.into());
-        }
+        check_count(primitives.len())?;
         let mut report = BuildReport::default();
         let prims = || usable(primitives, &mut report);
         let tree = build_tree(executor, &Rounds(primitives), prims, options.quality)?;
@@ -96,7 +97,7 @@ impl RoundBvh {
     }
 
     /// A copy of a tree.
-    pub(crate) fn copy_of(tree: &RoundView) -> Self {
+    pub(crate) fn copy_of(tree: &RoundBvhView) -> Self {
         let blocks = match tree.blocks() {
             RoundBlocks::Spheres(blocks) => Blocks::Spheres(blocks.to_vec()),
             RoundBlocks::Discs(blocks) => Blocks::Discs(blocks.to_vec()),
@@ -107,18 +108,18 @@ impl RoundBvh {
     }
 
     /// Borrows the tree for tracing.
-    pub fn view(&self) -> RoundView<'_> {
+    pub fn view(&self) -> RoundBvhView<'_> {
         let blocks = match &self.blocks {
             Blocks::Spheres(blocks) => RoundBlocks::Spheres(blocks),
             Blocks::Discs(blocks) => RoundBlocks::Discs(blocks),
             Blocks::LinearCurves(blocks) => RoundBlocks::LinearCurves(blocks),
             Blocks::CubicCurves(blocks) => RoundBlocks::CubicCurves(blocks),
         };
-        RoundView::with_bounds(&self.nodes, blocks, self.bounds)
+        RoundBvhView::with_bounds(&self.nodes, blocks, self.bounds)
     }
 
     /// Memory of nodes and blocks in bytes.
-    pub fn bytes(&self) -> usize {
+    pub fn memory_bytes(&self) -> usize {
         let blocks = match &self.blocks {
             Blocks::Spheres(blocks) => size_of_val(&blocks[..]),
             Blocks::Discs(blocks) => size_of_val(&blocks[..]),

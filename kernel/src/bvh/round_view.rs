@@ -8,14 +8,14 @@ use crate::simd::Isa;
 
 /// A tree over spheres, discs or round curves in borrowed memory, checked once so that tracing needs no checks.
 #[derive(Clone, Copy, Debug)]
-pub struct RoundView<'a> {
+pub struct RoundBvhView<'a> {
     nodes: &'a [Node],
     blocks: RoundBlocks<'a>,
     bounds: Aabb,
     isa: Isa,
 }
 
-impl<'a> RoundView<'a> {
+impl<'a> RoundBvhView<'a> {
     /// Borrows a tree whose root is the first node.
     ///
     /// # Errors

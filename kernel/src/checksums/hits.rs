@@ -1,4 +1,4 @@
-//! Hits by every way to trace, with every instruction set, through the tree of each quality.
+//! Hits by every method of tracing, with every instruction set, through the tree of each quality.
 
 use super::scenes::Scene;
 use super::{Checksum, compare};
@@ -29,8 +29,8 @@ fn hits_are_those_that_are_kept() {
             let visits = Checksum::of(visits.flat_map(|visits| [visits.nodes, visits.blocks]));
             lines.push(format!("{name} visits-{quality} {visits}"));
             for isa in isas() {
-                for (way, found) in ways(&tree.with_isa(isa), &rays) {
-                    assert_eq!(found, expected, "{name}, {quality}, {}, {way}", isa.level());
+                for (method, found) in by_methods(&tree.with_isa(isa), &rays) {
+                    assert_eq!(found, expected, "{name}, {quality}, {}, {method}", isa.level());
                 }
             }
         }
@@ -38,8 +38,8 @@ fn hits_are_those_that_are_kept() {
     compare("hits", include_str!("../../../tests/checksums/hits.txt"), &lines);
 }
 
-/// The checksums of closest and of any hits by each way to trace.
-fn ways(tree: &BvhView, rays: &[Ray]) -> [(&'static str, [Checksum; 2]); 6] {
+/// The checksums of closest and of any hits by each method of tracing.
+fn by_methods(tree: &BvhView, rays: &[Ray]) -> [(&'static str, [Checksum; 2]); 6] {
     let one: Vec<Hit> = rays.iter().map(|ray| tree.intersect(ray).unwrap_or(Hit::MISS)).collect();
     let (mut many, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
     tree.intersect_many(rays, &mut many);

@@ -1,4 +1,5 @@
-//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked before.
+//! What can be wrong with triangles, trees and blobs. Tracing itself has no errors: what it relies on is checked
+//! before.
 
 mod mesh;
 mod scene;
@@ -14,8 +15,8 @@ pub use tree::{InvalidTree, RefitError};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Error {
-    /// There are more triangles than a tree can hold.
-    TooManyTriangles {
+    /// There are more triangles, points or curves than a tree can hold.
+    TooManyPrimitives {
         /// How many there are.
         count: usize,
         /// How many there may be.
@@ -80,8 +81,8 @@ impl core::error::Error for Error {}
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::TooManyTriangles { count, limit } => {
-                write!(f, "{count} triangles are too many: a tree holds {limit} at most")
+            Self::TooManyPrimitives { count, limit } => {
+                write!(f, "{count} primitives are too many: a tree holds {limit} at most")
             }
             Self::InvalidTree(error) => error.fmt(f),
             Self::InvalidScene(error) => error.fmt(f),

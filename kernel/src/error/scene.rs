@@ -15,6 +15,11 @@ pub enum InvalidScene {
         /// The handle's generation.
         generation: u32,
     },
+    /// There are more items than indices.
+    TooManyItems {
+        /// How many there may be, removed ones included until the next commit.
+        limit: usize,
+    },
     /// A motion without a key.
     NoKeys,
     /// A transform with an element that is infinite or NaN.
@@ -83,6 +88,7 @@ impl fmt::Display for InvalidScene {
             Self::NoSuchItem { index, generation } => {
                 write!(f, "there is no item {index} of generation {generation}: it was removed, or is in another scene")
             }
+            Self::TooManyItems { limit } => write!(f, "a scene holds {limit} items at most"),
             Self::NoKeys => write!(f, "a motion needs at least one key, and has none"),
             Self::NotFinite { key } => write!(f, "transform {key} has an element that is infinite or not a number"),
             Self::Singular { key } => write!(

@@ -6,20 +6,20 @@
 //! s) origins + s ends`. Where its sides cross a plane is one multiplication and one subtraction, as with a ray. It is
 //! as tight for rays that converge at a light as for diverging ones.
 //!
-//! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's own
-//! box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
+//! Positions are off by no more than what origins and ends are widened by: twice the pad of the nodes, of which a ray's
+//! own box needs a quarter, and the rest leaves room for the rounding of ends, slopes and crossings, a few units each.
 
 use glam::Vec3;
 
 use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
-    raise,
+    Axis, MAX_COORDINATE, MAX_DIRECTION, MIN_COMPONENT, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD, raise,
 };
 use super::triangle::LineLanes;
 use super::{Aabb, RayPacket};
 use crate::simd::{Lanes, Mask};
 
-/// Octant and fastest axis of a direction: what decides which planes are near, and along which axis triangles are sheared.
+/// Octant and fastest axis of a direction: what decides which planes are near, and along which axis triangles are
+/// sheared.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct DirectionClass {
     /// The axes in the order of [`Line`](super::setup::Line).
@@ -121,7 +121,7 @@ impl<L: Copy> Bundle<L> {
     where
         L: Lanes<N>,
     {
-        let least = self.largest * L::splat(LEAST_COMPONENT);
+        let least = self.largest * L::splat(MIN_COMPONENT);
         let signed = if class.negative[axis] { L::splat(0.0) - least } else { least };
         let d = self.direction[axis];
         L::splat(1.0) / L::select(d.abs().lt(least), signed, d)
@@ -198,7 +198,7 @@ impl<L: Copy> Bundle<L> {
         };
         for (side, (from, to)) in sides.into_iter().enumerate() {
             for axis in 0..3 {
-                let slope = raise(to[axis] - from[axis], (pad[axis] * LEAST_COMPONENT).max(f32::MIN_POSITIVE));
+                let slope = raise(to[axis] - from[axis], (pad[axis] * MIN_COMPONENT).max(f32::MIN_POSITIVE));
                 let inverse = 1.0 / slope;
                 shaft.inverse[side][axis] = inverse;
                 shaft.shift[side][axis] = from[axis] * inverse;

@@ -9,15 +9,15 @@
 //!
 //! The coordinates are relative to the point from which the distance is measured, and the closest point is clamped to
 //! the triangle's own box. So its distance, computed in the same way, is never less than that of a box around the
-//! triangle, to the last bit: each rounded operation is monotonic. Culling boxes then never loses the closest triangle, nor
-//! one as close, and no allowance for rounding is needed.
+//! triangle, to the last bit: each rounded operation is monotonic. Culling boxes then never loses the closest triangle,
+//! nor one as close, and no allowance for rounding is needed.
 //!
 //! Squares of distances below 1e-19 vanish: such distances count as equal, and as zero.
 
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
-use super::Triangle;
+use super::{Hit, MAX_COORDINATE, Triangle};
 use crate::simd::Lanes;
 
 /// A point on a surface that is closest to another point: `(1 - u - v) v0 + u v1 + v v2`.
@@ -34,6 +34,13 @@ pub struct SurfacePoint {
     pub v: f32,
     /// The triangle's index in the slice that the tree was built from.
     pub prim_id: u32,
+}
+
+impl SurfacePoint {
+    /// The point as a hit, whose `t` is the distance.
+    pub fn to_hit(&self) -> Hit {
+        Hit { t: self.distance, u: self.u, v: self.v, prim_id: self.prim_id }
+    }
 }
 
 /// A candidate for the closest point.
@@ -55,10 +62,20 @@ impl ClosestCandidate {
         self.distance2 < other.distance2 || self.distance2 == other.distance2 && self.prim_id < other.prim_id
     }
 
-    /// The point for the caller, `from` where the distance is measured.
-    pub(crate) fn to_surface(self, from: Vec3) -> SurfacePoint {
+    /// The initial candidate of a search around `from`: all that are not farther than `radius` precede it. `None` if
+    /// nothing can be found, as `from` is out of limits, or `radius` is negative or NaN.
+    pub(crate) fn none_within(from: Vec3, radius: f32) -> Option<Self> {
+        let is_valid = from.abs().cmple(Vec3::splat(MAX_COORDINATE)).all() && radius >= 0.0;
+        let distance2 = radius * radius;
+        is_valid.then_some(Self { offset: [0.0; 3], distance2, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM })
+    }
+
+    /// The result of a search around `from`.
+    pub(crate) fn found(self, from: Vec3) -> Option<SurfacePoint> {
         let Self { offset, distance2, u, v, prim_id } = self;
-        SurfacePoint { point: from + Vec3::from(offset), distance: libm::sqrtf(distance2), u, v, prim_id }
+        let surface =
+            || SurfacePoint { point: from + Vec3::from(offset), distance: libm::sqrtf(distance2), u, v, prim_id };
+        (prim_id != Hit::NO_PRIM).then(surface)
     }
 }
 

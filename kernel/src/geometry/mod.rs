@@ -8,11 +8,12 @@
 //!
 //! Three deviations. Barycentric weights are found before `t`, so that `t` is a combination of the vertices' depths
 //! however thin the triangle. The weights are then refined: the sheared corners' mean by them should be the origin, and
-//! is moved there along the longest edge, which takes most of the error out of `t`, `u` and `v`; only what is reported of
-//! the weights is then clamped to 0..=1, as `t` is right only while their sum is one. And `t` is clamped to the interval
-//! in which the ray is inside the triangle's own box, widened by a bound of the shear's rounding: every box of a tree that
-//! encloses the triangle then contains `t` in *its* interval too, since every rounded operation is monotonic. So culling
-//! by boxes never loses a hit, ties included, and a tree gives exactly what a loop over all triangles gives.
+//! is moved there along the longest edge, which takes most of the error out of `t`, `u` and `v`; only what is reported
+//! of the weights is then clamped to 0..=1, as `t` is right only while their sum is one. And `t` is clamped to the
+//! interval in which the ray is inside the triangle's own box, widened by a bound of the shear's rounding: every box of
+//! a tree that encloses the triangle then contains `t` in *its* interval too, since every rounded operation is
+//! monotonic. So culling by boxes never loses a hit, ties included, and a tree gives exactly what a loop over all
+//! triangles gives.
 //!
 //! # Error bounds
 //! For extents above 1e-30 (smaller ones are subject to underflow, and may leak).
@@ -24,8 +25,10 @@
 //! and add in the nodes' test.
 
 mod aabb;
+pub(crate) mod box_lanes;
 pub(crate) mod bundle;
 pub(crate) mod closest;
+mod fault;
 pub(crate) mod moment;
 mod offset;
 pub(crate) mod overlap;
@@ -36,11 +39,13 @@ mod reference;
 pub mod round;
 pub(crate) mod setup;
 pub(crate) mod setup_lanes;
+pub(crate) mod setup_rows;
 mod side;
 pub(crate) mod triangle;
 
 pub use aabb::Aabb;
 pub use closest::SurfacePoint;
+pub use fault::PrimitiveFault;
 pub use moment::Moment;
 pub use offset::{offset_distance, offset_origin, offset_point, triangle_normal};
 pub use overlap::overlaps;

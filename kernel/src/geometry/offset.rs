@@ -30,9 +30,9 @@ pub fn triangle_normal(triangle: &Triangle) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// The point of `triangle` with the barycentric weights `u` and `v` of a hit, moved along its unit `normal`, to the side
-/// to which `direction` points: a ray from there into that direction does not hit the triangle. If the normal is zero,
-/// as that of a triangle without area, the point stays.
+/// The point of `triangle` with the barycentric weights `u` and `v` of a hit, moved along its unit `normal`, to the
+/// side to which `direction` points: a ray from there into that direction does not hit the triangle. If the normal is
+/// zero, as that of a triangle without area, the point stays.
 ///
 /// The distance is a few units in the last place of the triangle's coordinates and of its extent; it scales with the
 /// scene, and there is no length to tune. For many rays from one triangle keep its [`offset_distance`] and call
@@ -44,7 +44,8 @@ pub fn offset_origin(triangle: &Triangle, normal: Vec3, u: f32, v: f32, directio
     offset_point(point, normal, offset_distance(triangle, normal), direction)
 }
 
-/// The distance from the plane of `triangle`, whose unit normal is `normal`, at which a ray that leaves it has to start.
+/// The distance from the plane of `triangle`, whose unit normal is `normal`, at which a ray that leaves it has to
+/// start.
 #[inline]
 pub fn offset_distance(triangle: &Triangle, normal: Vec3) -> f32 {
     let [a, b, c] = *triangle;

@@ -13,8 +13,8 @@ use super::{Aabb, Triangle};
 /// A bound of the rounding of all operations on an axis, with room to spare.
 const ERROR: f64 = 1.0 / (1u64 << 48) as f64;
 
-/// Whether `triangle` and `aabb`, edges and faces included, have a point in common. An empty box, or one with a NaN, has
-/// none.
+/// Whether `triangle` and `aabb`, edges and faces included, have a point in common. An empty box, or one with a NaN,
+/// has none.
 pub fn overlaps(triangle: &Triangle, aabb: &Aabb) -> bool {
     let around = Aabb::around(triangle);
     if aabb.is_empty() || !around.min.cmple(aabb.max).all() || !aabb.min.cmple(around.max).all() {

@@ -4,11 +4,11 @@
 //! rounding, as that of a triangle is (see [`geometry`](super)). So culling by boxes never loses a hit, and hits do not
 //! depend on the tree, however a primitive rounds.
 
-use super::setup::{LEAST_COMPONENT, OWN_PAD, is_in_limits, raise};
+use super::setup::{MIN_COMPONENT, OWN_PAD, is_in_limits, raise};
 use super::{Aabb, Hit, Ray};
 
-/// A hit with a primitive in whose box the ray is in this [`interval`], clamped to that; `None` if it is then outside of the
-/// ray's own.
+/// A hit with a primitive in whose box the ray is in this [`interval`], clamped to that; `None` if it is then outside
+/// of the ray's own.
 #[inline(always)]
 pub(crate) fn clamped(ray: &Ray, (near, far): (f32, f32), hit: Hit) -> Option<Hit> {
     // Adding zero makes a negative zero positive. A NaN fails every comparison.
@@ -30,7 +30,7 @@ pub(crate) fn interval(ray: &Ray, aabb: &Aabb) -> Option<(f32, f32)> {
     let (mut near, mut far) = (f32::NEG_INFINITY, f32::INFINITY);
     for axis in 0..3 {
         let pad = (reach[axis] + reach[main]) * OWN_PAD;
-        let inverse = 1.0 / raise(ray.direction[axis], largest * LEAST_COMPONENT);
+        let inverse = 1.0 / raise(ray.direction[axis], largest * MIN_COMPONENT);
         let (a, b) = ((lower[axis] - pad) * inverse, (upper[axis] + pad) * inverse);
         near = near.max(a.min(b));
         far = far.min(a.max(b));

@@ -75,7 +75,10 @@ impl<const N: usize> RayPacket<N> {
         crate::simd::lanes_of(self.active & ((1u64 << N) - 1) as u32)
     }
 
-    /// Ray `lane`; `lane < N`.
+    /// The ray in a lane.
+    ///
+    /// # Panics
+    /// If `lane` is `N` or more.
     pub fn ray(&self, lane: usize) -> Ray {
         let vector = |v: &[[f32; N]; 3]| glam::Vec3::new(v[0][lane], v[1][lane], v[2][lane]);
         Ray {
@@ -92,12 +95,18 @@ impl<const N: usize> HitPacket<N> {
     pub const MISS: Self =
         Self { t: [Hit::MISS.t; N], u: [Hit::MISS.u; N], v: [Hit::MISS.v; N], prim_id: [Hit::MISS.prim_id; N] };
 
-    /// Hit `lane`; `lane < N`.
+    /// The hit in a lane.
+    ///
+    /// # Panics
+    /// If `lane` is `N` or more.
     pub fn hit(&self, lane: usize) -> Hit {
         Hit { t: self.t[lane], u: self.u[lane], v: self.v[lane], prim_id: self.prim_id[lane] }
     }
 
-    /// Sets hit `lane`; `lane < N`.
+    /// Sets the hit in a lane.
+    ///
+    /// # Panics
+    /// If `lane` is `N` or more.
     pub fn set(&mut self, lane: usize, hit: Hit) {
         (self.t[lane], self.u[lane], self.v[lane], self.prim_id[lane]) = (hit.t, hit.u, hit.v, hit.prim_id);
     }

@@ -3,7 +3,7 @@
 
 use glam::Vec3;
 
-use super::setup::{LEAST_COMPONENT, LEAST_DETERMINANT, OWN_PAD, raise};
+use super::setup::{MIN_COMPONENT, MIN_DETERMINANT, OWN_PAD, raise};
 use super::{Hit, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, Ray, Triangle};
 
 /// Where `ray` meets `triangle`, from either side, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or
@@ -45,7 +45,7 @@ pub(crate) fn intersect_side(ray: &Ray, triangle: &Triangle) -> Option<(Hit, boo
         return None;
     }
     let determinant = u + v + w;
-    let (u, v, w, front) = if u == 0.0 || v == 0.0 || w == 0.0 || determinant.abs() < LEAST_DETERMINANT {
+    let (u, v, w, front) = if u == 0.0 || v == 0.0 || w == 0.0 || determinant.abs() < MIN_DETERMINANT {
         let [ax, ay, bx, by, cx, cy] = [ax, ay, bx, by, cx, cy].map(f64::from);
         let (u, v, w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
@@ -70,7 +70,7 @@ pub(crate) fn intersect_side(ray: &Ray, triangle: &Triangle) -> Option<(Hit, boo
     for k in [kx, ky, kz] {
         let pad = (reach(k) + reach(kz)) * OWN_PAD;
         let (lower, upper) = (a[k].min(b[k]).min(c[k]) - pad, a[k].max(b[k]).max(c[k]) + pad);
-        let inverse = 1.0 / raise(d[k], largest * LEAST_COMPONENT);
+        let inverse = 1.0 / raise(d[k], largest * MIN_COMPONENT);
         let (enter, leave) =
             if inverse < 0.0 { (upper * inverse, lower * inverse) } else { (lower * inverse, upper * inverse) };
         near = near.max(enter);
@@ -108,7 +108,7 @@ fn refine(corners: [(f32, f32); 3], weights: [f32; 3]) -> (f32, f32, f32) {
         2
     };
     let (ex, ey) = edges[longest];
-    let shift = if length[longest] < LEAST_DETERMINANT { 0.0 } else { (x * ex + y * ey) / length[longest] };
+    let shift = if length[longest] < MIN_DETERMINANT { 0.0 } else { (x * ex + y * ey) / length[longest] };
     let mut refined = [u, v, w];
     refined[longest] += shift;
     refined[(longest + 1) % 3] -= shift;

@@ -30,10 +30,10 @@ pub(crate) const NODE_ORIGIN_PAD: f32 = 4.0 / (1u32 << 24) as f32;
 pub(crate) const UNDERFLOW_PAD: f32 = 4.0 * f32::MIN_POSITIVE;
 /// Smaller components of the direction, relative to the largest one, are raised to this value, which keeps reciprocals
 /// finite. Over the whole scene the ray strays from its class by less than the boxes are widened.
-pub(crate) const LEAST_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
+pub(crate) const MIN_COMPONENT: f32 = 1.0 / (1u64 << 32) as f32;
 
 /// Determinants smaller than this lose their digits to underflow, and are computed in `f64`.
-pub(crate) const LEAST_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
+pub(crate) const MIN_DETERMINANT: f32 = 1.0 / (1u128 << 100) as f32;
 
 /// An axis of space: an index that is always in range.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,7 @@ impl Axis {
 /// `inverse` times the origin, moved so that near planes come nearer, and far planes farther, by the nodes' pad.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Slabs {
-    /// Reciprocals of the direction, with small components raised to [`LEAST_COMPONENT`].
+    /// Reciprocals of the direction, with small components raised to [`MIN_COMPONENT`].
     pub inverse: [f32; 3],
     pub near_shift: [f32; 3],
     pub far_shift: [f32; 3],
@@ -114,7 +114,7 @@ impl RaySetup {
         let (d, o) = (ray.direction.to_array(), ray.origin.to_array());
         let axes = Axis::permutation(z, d[z] < 0.0);
 
-        let inverse = d.map(|d| 1.0 / raise(d, largest * LEAST_COMPONENT));
+        let inverse = d.map(|d| 1.0 / raise(d, largest * MIN_COMPONENT));
         let reach = (scene.min - ray.origin).abs().max((scene.max - ray.origin).abs());
         let pad = (reach + reach[z]) * NODE_PAD + ray.origin.abs() * NODE_ORIGIN_PAD;
         let mut slabs = Slabs { inverse, near_shift: [0.0; 3], far_shift: [0.0; 3], negative: [false; 3] };

@@ -1,12 +1,14 @@
 //! Setup of rays in lanes, each with its own direction class: equal to [`RaySetup`] bit for bit; and the rays' test
-//! against a box.
+//! against a box that they share.
 
 use super::Aabb;
-use super::setup::{
-    Axis, LEAST_COMPONENT, MAX_COORDINATE, MAX_DIRECTION, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
-};
+use super::box_lanes::BoxLanes;
 #[cfg(doc)]
 use super::setup::{Line, RaySetup, Slabs};
+use super::setup::{
+    MAX_COORDINATE, MAX_DIRECTION, MIN_COMPONENT, MIN_DIRECTION, NODE_ORIGIN_PAD, NODE_PAD, UNDERFLOW_PAD,
+};
+use super::setup_rows::{DirectionClasses, SetupRows, rows};
 use crate::simd::{Lanes, Mask, Simd};
 
 /// Rays prepared for traversal. Lanes that are not `live` are unspecified.
@@ -28,7 +30,7 @@ pub(crate) struct SetupLanes<const N: usize, L: Lanes<N>> {
 }
 
 impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
-    /// From the rays' numbers in the order of [`Ray`](super::Ray).
+    /// From the rays' fields in the order of [`Ray`](super::Ray).
     #[inline(always)]
     pub(crate) fn new(rays: [L; 8], scene: &Aabb) -> Self {
         Self::within(rays, &BoxLanes::splat(scene))
@@ -43,7 +45,7 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         let live = in_limits(&o, &size, largest) & t_min.le(t_max).bits() & scenes.not_empty::<N>();
         let fastest = [size[0].eq(largest), size[1].eq(largest)];
 
-        let least = largest * L::splat(LEAST_COMPONENT);
+        let least = largest * L::splat(MIN_COMPONENT);
         let inverse = [inverse(dx, size[0], least), inverse(dy, size[1], least), inverse(dz, size[2], least)];
         let zero = L::splat(0.0);
         let negative = [inverse[0].lt(zero), inverse[1].lt(zero), inverse[2].lt(zero)];
@@ -65,8 +67,8 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         Self { live, t_min, t_max, fastest, negative, inverse, near_shift, far_shift, lines }
     }
 
-    /// Where the rays enter and leave a box, of which the lower and upper bounds along each axis are given, within their
-    /// intervals.
+    /// Where the rays enter and leave a box, of which the lower and upper bounds along each axis are given, within
+    /// their intervals.
     #[inline(always)]
     pub(crate) fn intersect_box(&self, bounds: [[f32; 2]; 3]) -> (L, L) {
         let (near_x, far_x) = self.slab(0, bounds[0]);
@@ -75,16 +77,6 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
         (near_x.max(near_y).max(near_z.max(self.t_min)), far_x.min(far_y).min(far_z.min(self.t_max)))
     }
 
-    #[inline(always)]
-    fn slab(&self, axis: usize, [lower, upper]: [f32; 2]) -> (L, L) {
-        let (lower, upper, negative) = (L::splat(lower), L::splat(upper), self.negative[axis]);
-        let near = L::select(negative, upper, lower).mul_sub(self.inverse[axis], self.near_shift[axis]);
-        let far = L::select(negative, lower, upper).mul_sub(self.inverse[axis], self.far_shift[axis]);
-        (near, far)
-    }
-}
-
-impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
     /// Widens boxes by `pad` besides, along each axis, as [`Slabs::widen`] does.
     #[inline(always)]
     pub(crate) fn widen(&mut self, pad: [L; 3]) {
@@ -94,59 +86,13 @@ impl<const N: usize, L: Lanes<N>> SetupLanes<N, L> {
             self.far_shift[axis] = self.far_shift[axis] - distance;
         }
     }
-}
 
-/// A box in each lane.
-pub(crate) struct BoxLanes<L> {
-    min: [L; 3],
-    max: [L; 3],
-}
-
-impl<L> BoxLanes<L> {
-    /// The same box in all lanes.
     #[inline(always)]
-    pub(crate) fn splat<const N: usize>(aabb: &Aabb) -> Self
-    where
-        L: Lanes<N>,
-    {
-        let Aabb { min, max } = aabb;
-        let (min, max) =
-            ([L::splat(min.x), L::splat(min.y), L::splat(min.z)], [L::splat(max.x), L::splat(max.y), L::splat(max.z)]);
-        Self { min, max }
-    }
-
-    /// The lanes whose boxes are not empty.
-    #[inline(always)]
-    fn not_empty<const N: usize>(&self) -> u32
-    where
-        L: Lanes<N>,
-    {
-        let [[ax, ay, az], [bx, by, bz]] = [self.min, self.max];
-        (ax.le(bx) & ay.le(by) & az.le(bz)).bits()
-    }
-
-    /// How far the boxes reach from origins along each axis.
-    #[inline(always)]
-    pub(crate) fn reach<const N: usize>(&self, o: &[L; 3]) -> [L; 3]
-    where
-        L: Lanes<N>,
-    {
-        let [[ax, ay, az], [bx, by, bz]] = [self.min, self.max];
-        [reach(o[0], ax, bx), reach(o[1], ay, by), reach(o[2], az, bz)]
-    }
-}
-
-#[inline(always)]
-fn reach<const N: usize, L: Lanes<N>>(o: L, min: L, max: L) -> L {
-    (min - o).abs().max((max - o).abs())
-}
-
-impl<L: Lanes<8>> BoxLanes<L> {
-    /// The boxes from rows of a lower and an upper corner; the fourth and the last word of a row are ignored.
-    #[inline(always)]
-    pub(crate) fn from_rows<S: Simd<F8 = L>>(rows: [L; 8]) -> Self {
-        let [ax, ay, az, _, bx, by, bz, _] = S::transpose(rows);
-        Self { min: [ax, ay, az], max: [bx, by, bz] }
+    fn slab(&self, axis: usize, [lower, upper]: [f32; 2]) -> (L, L) {
+        let (lower, upper, negative) = (L::splat(lower), L::splat(upper), self.negative[axis]);
+        let near = L::select(negative, upper, lower).mul_sub(self.inverse[axis], self.near_shift[axis]);
+        let far = L::select(negative, lower, upper).mul_sub(self.inverse[axis], self.far_shift[axis]);
+        (near, far)
     }
 }
 
@@ -175,75 +121,6 @@ impl<L: Lanes<8>> SetupLanes<8, L> {
     }
 }
 
-/// The classes of eight rays' directions: octants and fastest axes.
-#[derive(Clone, Copy)]
-pub(crate) struct DirectionClasses {
-    fastest: [u32; 2],
-    negative: [u32; 3],
-}
-
-impl DirectionClasses {
-    /// The axis along which the ray of `lane` runs fastest: 0 to 2.
-    #[inline(always)]
-    pub(crate) fn fastest(&self, lane: usize) -> usize {
-        let (x, y) = (self.fastest[0] >> lane & 1, self.fastest[1] >> lane & 1);
-        // Without a branch, which would be unpredictable.
-        ((1 - x) * (2 - y)) as usize
-    }
-
-    /// The rows of a node that hold near planes along x, y and z.
-    #[inline(always)]
-    pub(crate) fn near_rows(&self, lane: usize) -> [u8; 3] {
-        let [x, y, z] = self.negative.map(|negative| (negative >> lane & 1) as u8);
-        [x, 2 + y, 4 + z]
-    }
-
-    /// Where in a block the coordinates of the first corners begin, in the order of the line's axes.
-    #[inline(always)]
-    pub(crate) fn corner_offsets(&self, lane: usize) -> [u8; 3] {
-        const OFFSETS: [[u8; 3]; 4] = [[8, 16, 0], [16, 0, 8], [0, 8, 16], [0; 3]];
-        OFFSETS[self.fastest(lane) % 4]
-    }
-
-    /// As [`Slabs::octant`].
-    #[inline(always)]
-    pub(crate) fn octant(&self, lane: usize) -> u8 {
-        let [x, y, z] = self.negative;
-        (x >> lane & 1 | (y >> lane & 1) << 1 | (z >> lane & 1) << 2) as u8
-    }
-}
-
-/// Eight setups, one after the other.
-pub(crate) struct SetupRows {
-    /// [`Line::numbers`].
-    pub lines: [[f32; 8]; 8],
-    /// [`Slabs::inverse`] and `near_shift`, then the rays' intervals.
-    pub slabs: [[f32; 8]; 8],
-    far_shifts: [[f32; 8]; 8],
-    pub classes: DirectionClasses,
-}
-
-impl SetupRows {
-    /// [`Slabs::far_shift`].
-    #[inline(always)]
-    pub(crate) fn far_shift(&self, lane: usize) -> [f32; 3] {
-        let [x, y, z, ..] = self.far_shifts[lane];
-        [x, y, z]
-    }
-}
-
-/// The orders of [`Line::axes`] for rays that run fastest along x, y or z, whether forward or backward: that only mirrors
-/// the triangles, and no hit changes, but front and back change places.
-pub(crate) const FORWARD: [[Axis; 3]; 3] =
-    [Axis::permutation(0, false), Axis::permutation(1, false), Axis::permutation(2, false)];
-
-/// Eight rows of lanes, transposed and stored.
-#[inline(always)]
-pub(crate) fn rows<S: Simd>(lanes: [S::F8; 8]) -> [[f32; 8]; 8] {
-    let [a, b, c, d, e, f, g, h] = S::transpose(lanes);
-    [a.store(), b.store(), c.store(), d.store(), e.store(), f.store(), g.store(), h.store()]
-}
-
 /// The lanes that are within the [numeric limits](crate#numeric-limits). Each component on its own: a maximum may lose
 /// a NaN.
 #[inline(always)]
@@ -260,7 +137,8 @@ fn inverse<const N: usize, L: Lanes<N>>(d: L, size: L, least: L) -> L {
     L::splat(1.0) / L::select(size.lt(least), least.copysign(d), d)
 }
 
-/// Of a vector, the component `k` of x, y and z in the order in which the axis along which the ray is fastest is the last.
+/// Of a vector, the component `k` of x, y and z in the order in which the axis along which the ray is fastest is the
+/// last.
 #[inline(always)]
 fn along<const K: usize, const N: usize, L: Lanes<N>>([x, y]: [L::Mask; 2], v: [L; 3]) -> L {
     L::select(x, v[(K + 1) % 3], L::select(y, v[(K + 2) % 3], v[K]))
@@ -279,6 +157,7 @@ mod tests {
     use super::super::setup::{Line, RaySetup, Slabs};
     use super::*;
     use crate::geometry::Ray;
+    use crate::geometry::setup_rows::FORWARD;
     use crate::simd::{Work, dispatch, isas};
     use crate::traverse::tests::Random;
 

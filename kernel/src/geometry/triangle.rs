@@ -4,7 +4,7 @@
 
 #[cfg(doc)]
 use super::setup::Line;
-use super::setup::{LEAST_DETERMINANT, OWN_PAD};
+use super::setup::{MIN_DETERMINANT, OWN_PAD};
 use crate::simd::{Lanes, Mask, lanes_of};
 
 /// Lines in lanes: one ray's in all of them, or one in each. Fields as in [`Line`].
@@ -66,7 +66,7 @@ pub(crate) fn cross<const N: usize, L: Lanes<N>>(ray: &LineLanes<L>, corners: [[
     }
     let [[ax, ay], [bx, by], [cx, cy]] = sheared;
     let sum = u + v + w;
-    let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(LEAST_DETERMINANT));
+    let doubtful = u.eq(zero) | v.eq(zero) | w.eq(zero) | sum.abs().lt(L::splat(MIN_DETERMINANT));
     let inverse = L::splat(1.0) / sum;
     let (mut u, mut v, mut w) = (u * inverse, v * inverse, w * inverse);
     let mut front = zero.lt(sum).bits();
@@ -110,7 +110,7 @@ pub(crate) fn occludes<const N: usize, L: Lanes<N>>(
     let inside = inside & (near.le(far) & near.le(t_max) & t_min.le(far)).bits();
     let whole = t_min.le(near) & far.le(t_max);
     let strictly = zero.lt(u.min(v).min(w)) | u.max(v).max(w).lt(zero);
-    let certain = strictly & L::splat(LEAST_DETERMINANT).le((u + v + w).abs()) & whole;
+    let certain = strictly & L::splat(MIN_DETERMINANT).le((u + v + w).abs()) & whole;
     if inside & !certain.bits() == 0 {
         return inside;
     }
@@ -163,8 +163,9 @@ fn reach<const N: usize, L: Lanes<N>>([lower, upper]: [L; 2]) -> L {
     lower.abs().max(upper.abs())
 }
 
-/// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are small differences, and along it
-/// the mean strays by a rounding times length over width: it is moved back along the longest edge.
+/// Weights with which the corners' mean is nearer to the ray; one may be slightly below zero. The areas of a needle are
+/// small differences, and along it the mean strays by a rounding times length over width: it is moved back along the
+/// longest edge.
 #[inline(always)]
 fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w]: [L; 3]) -> (L, L, L) {
     let stray = [u * a[0] + v * b[0] + w * c[0], u * a[1] + v * b[1] + w * c[1]];
@@ -175,7 +176,7 @@ fn refine<const N: usize, L: Lanes<N>>(a: [L; 2], b: [L; 2], c: [L; 2], [u, v, w
     let bc_longest = ca2.le(bc2);
     let along = L::select(ab_longest, dot(stray, ab), L::select(bc_longest, dot(stray, bc), dot(stray, ca)));
     let length = ab2.max(bc2).max(ca2);
-    let shift = L::select(L::splat(LEAST_DETERMINANT).le(length), along / length, zero);
+    let shift = L::select(L::splat(MIN_DETERMINANT).le(length), along / length, zero);
     // From the edge's end to its beginning: `shift` of the weight.
     let to_u = L::select(ab_longest, shift, L::select(bc_longest, zero, zero - shift));
     let to_v = L::select(ab_longest, zero - shift, L::select(bc_longest, shift, zero));

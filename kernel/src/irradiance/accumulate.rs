@@ -10,7 +10,7 @@ use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, Row, load, part
 use crate::simd::{Isa, Lanes, Simd, Work, dispatch};
 
 /// Hits nearer than this, 2⁻⁶⁰, count as at this distance: it keeps reciprocals finite.
-pub const LEAST_DISTANCE: f32 = 1.0 / (1u64 << 60) as f32;
+pub const MIN_DISTANCE: f32 = 1.0 / (1u64 << 60) as f32;
 /// Depth is continuous between neighbours whose distances have a ratio below this.
 pub(super) const CONTINUOUS_RATIO: f32 = 1.5;
 
@@ -115,15 +115,15 @@ impl<S: Simd> Cells<S, 5> for Samples<'_> {
     }
 }
 
-/// The distance, or [`LEAST_DISTANCE`] if it is not more.
+/// The distance, or [`MIN_DISTANCE`] if it is not more.
 pub(super) fn bound(distance: f32) -> f32 {
-    if distance > LEAST_DISTANCE { distance } else { LEAST_DISTANCE }
+    if distance > MIN_DISTANCE { distance } else { MIN_DISTANCE }
 }
 
 /// [`bound`] in lanes.
 #[inline(always)]
 pub(super) fn bound_lanes<L: Lanes<COLUMNS>>(distance: L) -> L {
-    let least = L::splat(LEAST_DISTANCE);
+    let least = L::splat(MIN_DISTANCE);
     L::select(least.lt(distance), distance, least)
 }
 

@@ -14,8 +14,8 @@
 //!
 //! These are the closed forms of polygon lights (Holzschuch and Sillion, "An exhaustive error-bounding algorithm for
 //! hierarchical radiosity", 1998, derive such), written so that nothing is divided by what may vanish and points may be
-//! infinitely far. Gauss and Legendre's rule with two nodes, s = ½ ± √3/6, integrates them, for neighbours are less than
-//! half a radian apart.
+//! infinitely far. Gauss and Legendre's rule with two nodes, s = ½ ± √3/6, integrates them, for neighbours are less
+//! than half a radian apart.
 //!
 //! # The rule in terms of the ends
 //! At both nodes |v|² = (2 + cos)/3, where cos = d_0·d_1. What is left are means over the nodes of p = w v, which is

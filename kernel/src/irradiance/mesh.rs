@@ -8,15 +8,15 @@
 //!
 //! # Deviations
 //! The mesh is closed: the first ring's triangles meet in a point at the zenith, and the last ring's points are dropped
-//! onto the tangent plane. So light that is the same everywhere has the Hessian zero, without the mean being subtracted.
-//! The hundredth of the mean radiance that is added to each triangle (1 where all is black) ends at the last ring, as
-//! published: it would have no Hessian if it did not.
+//! onto the tangent plane. So light that is the same everywhere has the Hessian zero, without the mean being
+//! subtracted. The hundredth of the mean radiance that is added to each triangle (1 where all is black) ends at the
+//! last ring, as published: it would have no Hessian if it did not.
 
 use core::f32::consts::PI;
 
 use glam::Vec3;
 
-use super::accumulate::{Above, LEAST_DISTANCE, Samples, bound, bound_lanes};
+use super::accumulate::{Above, MIN_DISTANCE, Samples, bound, bound_lanes};
 use super::edge::{Ends, Sums};
 use super::strip::{BEFORE, BLOCK, COLUMNS, Cells, Columns, HERE, NEXT, Row, parts};
 use super::{Hessian, LUMINANCE};
@@ -121,7 +121,7 @@ fn on_horizon(mut row: Points) -> Points {
     for k in 0..x.len() {
         let sine = libm::sqrtf(x[k] * x[k] + y[k] * y[k]).max(f32::MIN_POSITIVE);
         (x[k], y[k], z[k]) = (x[k] / sine, y[k] / sine, 0.0);
-        inverse[k] = (inverse[k] / sine).min(1.0 / LEAST_DISTANCE);
+        inverse[k] = (inverse[k] / sine).min(1.0 / MIN_DISTANCE);
     }
     row
 }

@@ -33,7 +33,7 @@
 //! - The hemicube's walls are arcs of great circles, and its cells' integrals are exact for their spherical polygons.
 //!   The published form, of cosines and azimuths of texel centres, is biased and gives a furnace a gradient.
 //!
-//! Distances less than [`LEAST_DISTANCE`], zero and NaN count as it. Every sum has a fixed order, so that results are
+//! Distances less than [`MIN_DISTANCE`], zero and NaN count as it. Every sum has a fixed order, so that results are
 //! equal bit for bit on every instruction set. Nothing here allocates.
 //!
 //! ```
@@ -73,7 +73,7 @@ mod strip;
 #[cfg(test)]
 mod tests;
 
-pub use accumulate::LEAST_DISTANCE;
+pub use accumulate::MIN_DISTANCE;
 pub use gather::Gather;
 pub use hemicube::Hemicube;
 pub use hessian::{Ellipse, Hessian};

@@ -36,7 +36,8 @@ impl PointSource {
 }
 
 impl Gather {
-    /// Adds a point's irradiance and gradients to those of a gather in local coordinates; distances and standard_error stay.
+    /// Adds a point's irradiance and gradients to those of a gather in local coordinates; distances and standard_error
+    /// stay.
     pub fn add_source(&mut self, source: &PointSource) {
         let PointSource { to_point, normal, irradiance } = *source;
         let across = normal / source.height() + to_point * (4.0 / to_point.length_squared());

@@ -183,8 +183,8 @@ fn distances_without_a_reciprocal_are_bounded() {
         let hessian = layout.hessian(&middles(&layout), &radiance, &distance).unwrap();
         (layout.accumulate(&radiance, &distance).unwrap(), hessian)
     };
-    let expected = with(LEAST_DISTANCE);
-    assert_eq!(expected.0.minimum_distance, LEAST_DISTANCE);
+    let expected = with(MIN_DISTANCE);
+    assert_eq!(expected.0.minimum_distance, MIN_DISTANCE);
     assert!(expected.0.translational.iter().all(|gradient| gradient.is_finite()) && expected.1.xx.is_finite());
     for value in [0.0, -0.0, -3.0, 1e-30, f32::NAN] {
         assert_eq!(with(value), expected, "{value}");

@@ -33,8 +33,8 @@ impl Format {
 }
 
 impl<'a> Positions<'a> {
-    /// Three `f32` each, the first at the byte `first`, the next `stride` bytes farther. The last needs no bytes behind its
-    /// three numbers.
+    /// Three `f32` each, the first at the byte `first`, the next `stride` bytes farther. The last needs no bytes behind
+    /// its three numbers.
     ///
     /// # Errors
     /// [`InvalidMesh::BadStride`] if the stride is less than the 12 bytes of a position.
@@ -42,8 +42,8 @@ impl<'a> Positions<'a> {
         Self::new(bytes, first, stride, Format::F32)
     }
 
-    /// Three `u16` each, likewise, at least 6 bytes apart. A position is `q * scale + offset`, each operation rounded to
-    /// `f32`.
+    /// Three `u16` each, likewise, at least 6 bytes apart. A position is `q * scale + offset`, each operation rounded
+    /// to `f32`.
     ///
     /// # Errors
     /// The errors of [`f32`](Self::f32).
@@ -51,8 +51,8 @@ impl<'a> Positions<'a> {
         Self::new(bytes, first, stride, Format::U16 { scale, offset })
     }
 
-    /// Three `i16` each, likewise, at least 6 bytes apart. A position is `q * scale + offset`, each operation rounded to
-    /// `f32`.
+    /// Three `i16` each, likewise, at least 6 bytes apart. A position is `q * scale + offset`, each operation rounded
+    /// to `f32`.
     ///
     /// # Errors
     /// The errors of [`f32`](Self::f32).

@@ -6,7 +6,7 @@ use glam::{Vec3, vec3};
 
 use super::*;
 use crate::traverse::tests::{Random, rays_at};
-use crate::{Bvh, Error, Executor, InvalidMesh, Quality, RefitError, Serial};
+use crate::{Bvh, Error, Executor, InvalidMesh, Quality, RefitError};
 
 /// The second part first.
 struct Backwards;
@@ -90,7 +90,7 @@ fn refits_do_not_depend_on_layout_or_executor() {
     let mesh = IndexedMesh::new(&moved[..], Indices::U32(&indices)).unwrap();
     let (mut one, mut two, mut three) = (tree.clone(), tree.clone(), tree.clone());
     let refit = one.refit(&soup(&mesh)).unwrap();
-    assert_eq!(two.refit_mesh_on(&Serial, &mesh).unwrap(), refit);
+    assert_eq!(two.refit_mesh(&mesh).unwrap(), refit);
     assert_eq!(three.refit_mesh_on(&Backwards, &mesh).unwrap(), refit);
     assert!(bits(&one) == bits(&two) && bits(&one) == bits(&three) && bits(&one) != bits(&tree));
     let tree = one.view();
@@ -99,16 +99,16 @@ fn refits_do_not_depend_on_layout_or_executor() {
 
     let fewer = IndexedMesh::new(&moved[..], Indices::U32(&indices[..300])).unwrap();
     let refused = |error| Err(Error::Refit(error));
-    let shrunk = two.refit_mesh_on(&Serial, &fewer);
+    let shrunk = two.refit_mesh(&fewer);
     assert!(matches!(shrunk, Err(Error::Refit(RefitError::Missing { count: 100, .. }))), "{shrunk:?}");
     let mut broken = moved.clone();
     broken[indices[9] as usize] = Vec3::NAN;
     let broken = IndexedMesh::new(&broken[..], Indices::U32(&indices)).unwrap();
-    let vanished = two.refit_mesh_on(&Serial, &broken);
+    let vanished = two.refit_mesh(&broken);
     assert!(matches!(vanished, Err(Error::Refit(RefitError::Vanished { .. }))), "{vanished:?}");
     let more: Vec<u32> = indices.iter().chain(&indices[..3]).copied().collect();
     let more = IndexedMesh::new(&moved[..], Indices::U32(&more)).unwrap();
-    assert_eq!(two.refit_mesh_on(&Serial, &more), refused(RefitError::Appeared { count: 1 }));
+    assert_eq!(two.refit_mesh(&more), refused(RefitError::Appeared { count: 1 }));
     assert!(bits(&one) == bits(&two));
 }
 

@@ -147,7 +147,7 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
         } else {
             (entry.alias as usize, (fraction - kept) / (1.0 - kept))
         };
-        (index, entries[index].mass, rest.clamp(0.0, ALMOST_ONE))
+        (index, entries[index].mass, rest.clamp(0.0, ONE_MINUS_EPSILON_F64))
     }
 
     /// Writes the index and the rest that [`sample`](Self::sample) gives for each `u`, with the instructions of `isa`:
@@ -160,7 +160,7 @@ impl<S: AsRef<[AliasEntry]>> AliasTable<S> {
 }
 
 /// The largest `f64` below 1.
-const ALMOST_ONE: f64 = 1.0 - f64::EPSILON / 2.0;
+const ONE_MINUS_EPSILON_F64: f64 = 1.0 - f64::EPSILON / 2.0;
 
 /// Samples of a table, as many as there are places for, whose entries alone are looked up one by one.
 struct SampleMany<'a> {
@@ -198,7 +198,7 @@ impl Work for SampleMany<'_> {
                 let stays = fractions[i] < kept[i];
                 let below = if stays { 0.0 } else { kept[i] };
                 let width = if stays { kept[i] } else { 1.0 - kept[i] };
-                fractions[i] = ((fractions[i] - below) / width).clamp(0.0, ALMOST_ONE);
+                fractions[i] = ((fractions[i] - below) / width).clamp(0.0, ONE_MINUS_EPSILON_F64);
                 numbers[i] = integer(if stays { places[i] } else { aliases[i] });
             }
             indices.copy_from_slice(&numbers[..u.len()]);

@@ -13,7 +13,7 @@ use crate::simd::Isa;
 pub struct SampleId {
     /// The pixel (or texel, or record).
     pub pixel: u32,
-    /// The number of the sample in it.
+    /// The index of the sample in it.
     pub sample: u32,
 }
 

@@ -12,23 +12,23 @@ pub(super) trait Answers {
     const ANY: bool;
 
     /// Nothing has been found up to `t_max`.
-    fn begin(&mut self, number: usize, t_max: f32);
+    fn begin(&mut self, ray: usize, t_max: f32);
 
     /// The rest of a search.
-    fn search(&self, number: usize, t_max: f32) -> Self::Search;
+    fn search(&self, ray: usize, t_max: f32) -> Self::Search;
 
     /// The result of a search so far, and whether it has ended.
-    fn advance(&mut self, number: usize, search: Self::Search) -> bool;
+    fn advance(&mut self, ray: usize, search: Self::Search) -> bool;
 
     /// What a hit in an item has to precede, by `t` and `prim_id` alone.
-    fn to_precede(&self, number: usize, t_max: f32, common: &SceneHit) -> Hit;
+    fn to_precede(&self, ray: usize, t_max: f32, common: &SceneHit) -> Hit;
 
     /// The ray has left an item, with this hit or what it [had to precede](Self::to_precede). Whether its search has
     /// ended.
-    fn leave(&mut self, number: usize, hit: Hit, common: &SceneHit) -> bool;
+    fn leave(&mut self, ray: usize, hit: Hit, common: &SceneHit) -> bool;
 
     /// The search is over.
-    fn end(&mut self, number: usize);
+    fn end(&mut self, ray: usize);
 }
 
 /// The nearest hits.
@@ -36,13 +36,13 @@ pub(super) struct Nearest<'a>(pub(super) &'a mut [SceneHit]);
 
 impl Nearest<'_> {
     #[inline(always)]
-    fn best(&self, number: usize) -> SceneHit {
-        self.0.get(number).copied().unwrap_or(SceneHit::MISS)
+    fn best(&self, ray: usize) -> SceneHit {
+        self.0.get(ray).copied().unwrap_or(SceneHit::MISS)
     }
 
     #[inline(always)]
-    fn set(&mut self, number: usize, hit: SceneHit) {
-        if let Some(place) = self.0.get_mut(number) {
+    fn set(&mut self, ray: usize, hit: SceneHit) {
+        if let Some(place) = self.0.get_mut(ray) {
             *place = hit;
         }
     }
@@ -53,38 +53,38 @@ impl Answers for Nearest<'_> {
     const ANY: bool = false;
 
     #[inline(always)]
-    fn begin(&mut self, number: usize, t_max: f32) {
-        self.set(number, Closest::new(t_max).best);
+    fn begin(&mut self, ray: usize, t_max: f32) {
+        self.set(ray, Closest::new(t_max).best);
     }
 
     #[inline(always)]
-    fn search(&self, number: usize, _t_max: f32) -> Closest {
-        Closest { best: self.best(number) }
+    fn search(&self, ray: usize, _t_max: f32) -> Closest {
+        Closest { best: self.best(ray) }
     }
 
     #[inline(always)]
-    fn advance(&mut self, number: usize, search: Closest) -> bool {
-        self.set(number, search.best);
+    fn advance(&mut self, ray: usize, search: Closest) -> bool {
+        self.set(ray, search.best);
         false
     }
 
     #[inline(always)]
-    fn to_precede(&self, number: usize, _t_max: f32, common: &SceneHit) -> Hit {
-        Closest { best: self.best(number) }.to_precede(common)
+    fn to_precede(&self, ray: usize, _t_max: f32, common: &SceneHit) -> Hit {
+        Closest { best: self.best(ray) }.to_precede(common)
     }
 
     #[inline(always)]
-    fn leave(&mut self, number: usize, hit: Hit, common: &SceneHit) -> bool {
-        let mut closest = Closest { best: self.best(number) };
+    fn leave(&mut self, ray: usize, hit: Hit, common: &SceneHit) -> bool {
+        let mut closest = Closest { best: self.best(ray) };
         closest.take(hit, common);
-        self.set(number, closest.best);
+        self.set(ray, closest.best);
         false
     }
 
     #[inline(always)]
-    fn end(&mut self, number: usize) {
-        if !self.best(number).is_hit() {
-            self.set(number, SceneHit::MISS);
+    fn end(&mut self, ray: usize) {
+        if !self.best(ray).is_hit() {
+            self.set(ray, SceneHit::MISS);
         }
     }
 }
@@ -94,8 +94,8 @@ pub(super) struct Occluded<'a>(pub(super) &'a mut [bool]);
 
 impl Occluded<'_> {
     #[inline(always)]
-    fn set(&mut self, number: usize, occluded: bool) -> bool {
-        if let Some(place) = self.0.get_mut(number) {
+    fn set(&mut self, ray: usize, occluded: bool) -> bool {
+        if let Some(place) = self.0.get_mut(ray) {
             *place = occluded;
         }
         occluded
@@ -107,30 +107,30 @@ impl Answers for Occluded<'_> {
     const ANY: bool = true;
 
     #[inline(always)]
-    fn begin(&mut self, number: usize, _t_max: f32) {
-        self.set(number, false);
+    fn begin(&mut self, ray: usize, _t_max: f32) {
+        self.set(ray, false);
     }
 
     #[inline(always)]
-    fn search(&self, _number: usize, t_max: f32) -> Any {
+    fn search(&self, _ray: usize, t_max: f32) -> Any {
         Any { t_max, found: false }
     }
 
     #[inline(always)]
-    fn advance(&mut self, number: usize, search: Any) -> bool {
-        self.set(number, search.found)
+    fn advance(&mut self, ray: usize, search: Any) -> bool {
+        self.set(ray, search.found)
     }
 
     #[inline(always)]
-    fn to_precede(&self, _number: usize, t_max: f32, _common: &SceneHit) -> Hit {
+    fn to_precede(&self, _ray: usize, t_max: f32, _common: &SceneHit) -> Hit {
         Hit::none_before(t_max)
     }
 
     #[inline(always)]
-    fn leave(&mut self, number: usize, hit: Hit, _common: &SceneHit) -> bool {
-        self.set(number, hit.is_hit())
+    fn leave(&mut self, ray: usize, hit: Hit, _common: &SceneHit) -> bool {
+        self.set(ray, hit.is_hit())
     }
 
     #[inline(always)]
-    fn end(&mut self, _number: usize) {}
+    fn end(&mut self, _ray: usize) {}
 }

@@ -11,10 +11,10 @@
 //! | 32 | parts of the blocks of points and curves: 5 for one of spheres, 8 of discs, 9 of linear and 17 of cubic curves |
 //! | 64 | transforms: four columns of three numbers and a zero |
 //! | 24 | meshes: which nodes and blocks, or parts of blocks; how many keys, 0 of one that cannot move; what of: 0 triangles, 1 spheres, 2 discs, 3 linear curves, 4 cubic curves |
-//! | 32 | scenes: which items, parts, numbers in leaves and nodes; the last scene is the outermost |
+//! | 32 | scenes: which items, parts, indices in leaves and nodes; the last scene is the outermost |
 //! | 20 | items: what kind (0 nothing, 1 a mesh, 2 a scene), which, mask, which transforms |
 //! | 8 | parts ([`Part`]) |
-//! | 4 | numbers in the leaves of the scenes' trees |
+//! | 4 | indices of parts in the leaves of the scenes' trees |
 //!
 //! and zeros up to a multiple of 64. A scene's items are meshes or earlier scenes, so no scene contains itself. The
 //! header:
@@ -49,27 +49,30 @@
 //! let mut items = [const { Item::nothing() }; 2];
 //! let scene = SceneView::from_bytes(&bytes, &mut items)?;
 //! let hit = scene.intersect(&Ray::new(Vec3::new(5.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.geometry_id, hit.hit.t), (1, 1.0));
+//! assert_eq!((hit.item, hit.hit.t), (1, 1.0));
 //! # }
 //! # Ok::<(), halfdome_kernel::Error>(())
 //! ```
 //!
 //! With nested scenes, [`SceneBlob`] opens one after the other.
 
+mod check;
 mod layout;
+#[cfg(any(feature = "alloc", test))]
+mod owned;
+#[cfg(test)]
+mod tests;
 
 use core::ops::Range;
 
 use bytemuck::AnyBitPattern;
 use glam::Affine3A;
 
-use layout::{
-    BlockPart, Header, ItemRecord, MESH, MeshRecord, NOTHING, QUALITIES, SCENE, SceneRecord, TRIANGLES, round_blocks,
-};
+use layout::{BlockPart, Header, ItemRecord, MESH, MeshRecord, QUALITIES, SCENE, SceneRecord, TRIANGLES, round_blocks};
 
 use super::{Item, Object, Part, SceneView};
 use crate::bvh::blob_header::{BlobHeader, HEADER};
-use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingView, Node, RoundBlocks, RoundView, TriangleBlock, WIDTH};
+use crate::bvh::{BLOB_ALIGNMENT, BvhView, MovingBvhView, Node, RoundBlocks, RoundBvhView, TriangleBlock, WIDTH};
 use crate::error::{Error, InvalidScene};
 
 /// The version of the blobs of scenes that this crate writes, and the only one that it reads.
@@ -91,7 +94,7 @@ pub const SCENE_BLOB_VERSION: u32 = 2;
 /// # let inside = inside.view();
 /// # let bytes = Scene::build(vec![Item::new(&inside), Item::new(&inside)], &options)?.0.to_bytes()?;
 /// let blob = SceneBlob::open(&bytes)?;
-/// assert_eq!((blob.scenes(), blob.item_count(0), blob.item_count(1)), (2, Some(1), Some(2)));
+/// assert_eq!((blob.scene_count(), blob.item_count(0), blob.item_count(1)), (2, Some(1), Some(2)));
 /// let mut items = [const { Item::nothing() }; 1];
 /// let inner = [blob.view(0, &mut items, &[])?];
 /// let mut items = [const { Item::nothing() }; 2];
@@ -111,7 +114,7 @@ pub struct SceneBlob<'a> {
     scenes: &'a [SceneRecord],
     items: &'a [ItemRecord],
     parts: &'a [Part],
-    numbers: &'a [u32],
+    indices: &'a [u32],
     #[cfg(any(feature = "alloc", test))]
     quality: u16,
 }
@@ -124,7 +127,7 @@ impl<'a> SceneView<'a> {
     /// The errors of [`SceneBlob::open`] and [`SceneBlob::view`].
     pub fn from_bytes<'b: 'a>(bytes: &'b [u8], items: &'a mut [Item<'b>]) -> Result<Self, Error> {
         let blob = SceneBlob::open(bytes)?;
-        blob.view(blob.scenes() - 1, items, &[])
+        blob.view(blob.scene_count() - 1, items, &[])
     }
 }
 
@@ -136,7 +139,8 @@ impl<'a> SceneBlob<'a> {
     /// - [`Error::Truncated`], [`Error::TrailingBytes`]: `bytes` are fewer or more than one blob.
     /// - [`Error::Misaligned`]: its address is not aligned; with `alloc`, `Scene::from_bytes` copies it.
     /// - [`Error::Damaged`]: the checksum does not match.
-    /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by halfdome.
+    /// - [`Error::BadHeader`], [`Error::InvalidTree`], [`InvalidScene::BadRecord`]: the bytes were not written by
+    ///   halfdome.
     pub fn open(bytes: &'a [u8]) -> Result<Self, Error> {
         let header = Header::read(bytes)?;
         if bytes.as_ptr().align_offset(BLOB_ALIGNMENT) != 0 {
@@ -170,7 +174,7 @@ impl<'a> SceneBlob<'a> {
             scenes: section(&mut rest, header.scenes)?,
             items: section(&mut rest, header.items)?,
             parts: section(&mut rest, header.parts)?,
-            numbers: section(&mut rest, header.numbers)?,
+            indices: section(&mut rest, header.indices)?,
             #[cfg(any(feature = "alloc", test))]
             quality: header.quality,
         };
@@ -182,61 +186,8 @@ impl<'a> SceneBlob<'a> {
         Ok(blob)
     }
 
-    /// Checks that records follow each other, that no scene contains itself, and all trees of meshes.
-    fn check(&self) -> Result<(), Error> {
-        let (mut node, mut block, mut block_part) = (0, 0, 0);
-        for (index, record) in self.meshes.iter().enumerate() {
-            let bad = InvalidScene::BadRecord { record: "mesh", index };
-            follow(&mut node, record.first_node, record.nodes, bad)?;
-            let end = if record.kind == TRIANGLES { &mut block } else { &mut block_part };
-            follow(end, record.first_block, record.blocks, bad)?;
-            match self.mesh_parts(record).ok_or(bad)? {
-                Parts::Still(nodes, blocks) => BvhView::new(nodes, blocks).map(|_| ())?,
-                Parts::Moving(nodes, blocks, keys) => MovingView::new(nodes, blocks, keys).map(|_| ())?,
-                Parts::Round(nodes, blocks) => RoundView::new(nodes, blocks).map(|_| ())?,
-            }
-        }
-        let (mut item, mut part, mut number, mut scene_node) = (0, 0, 0, 0);
-        let mut transform = 0;
-        for (scene, record) in self.scenes.iter().enumerate() {
-            let bad = InvalidScene::BadRecord { record: "scene", index: scene };
-            follow(&mut item, record.first_item, record.items, bad)?;
-            follow(&mut part, record.first_part, record.parts, bad)?;
-            follow(&mut number, record.first_number, record.numbers, bad)?;
-            follow(&mut scene_node, record.first_node, record.nodes, bad)?;
-            let items = self.items.get(range(record.first_item, record.items)).ok_or(bad)?;
-            for (index, item) in (record.first_item as usize..).zip(items) {
-                let bad = InvalidScene::BadRecord { record: "item", index };
-                follow(&mut transform, item.first_transform, item.transforms, bad)?;
-                let is_there = match item.kind {
-                    NOTHING => item.object == 0,
-                    MESH => (item.object as usize) < self.meshes.len(),
-                    SCENE => (item.object as usize) < scene,
-                    _ => false,
-                };
-                if !is_there {
-                    return Err(bad.into());
-                }
-            }
-        }
-        let ends = [
-            (node, self.nodes.len()),
-            (block, self.blocks.len()),
-            (scene_node, self.scene_nodes.len()),
-            (block_part, self.block_parts.len()),
-            (transform, self.transforms.len()),
-            (item, self.items.len()),
-            (part, self.parts.len()),
-            (number, self.numbers.len()),
-        ];
-        if ends.iter().any(|&(end, len)| end != len as u64) {
-            return Err(Error::BadHeader { field: "table of counts" });
-        }
-        Ok(())
-    }
-
     /// The number of scenes: nested ones first, the outermost last.
-    pub fn scenes(&self) -> usize {
+    pub fn scene_count(&self) -> usize {
         self.scenes.len()
     }
 
@@ -249,8 +200,8 @@ impl<'a> SceneBlob<'a> {
     /// `inner` are the views of the earlier scenes, at least of those that it contains.
     ///
     /// # Errors
-    /// [`InvalidScene::BufferTooSmall`] if there are fewer items or scenes than needed; and, for bytes that were not written by
-    /// halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
+    /// [`InvalidScene::BufferTooSmall`] if there are fewer items or scenes than needed; and, for bytes that were not
+    /// written by halfdome, the errors of [`Item::placed`], [`Item::moving`] and [`SceneView::new`].
     pub fn view<'s, 'i: 's>(
         &self,
         scene: usize,
@@ -279,8 +230,8 @@ impl<'a> SceneBlob<'a> {
                 keys => item.moving(keys)?,
             };
         }
-        let (parts, nodes, numbers) = self.tree_of(record);
-        SceneView::new(items, parts, nodes, numbers)
+        let (parts, nodes, indices) = self.tree_of(record);
+        SceneView::new(items, parts, nodes, indices)
     }
 
     /// The items of a scene.
@@ -293,12 +244,12 @@ impl<'a> SceneBlob<'a> {
         self.transforms.get(range(item.first_transform, item.transforms)).unwrap_or(&[])
     }
 
-    /// The parts, nodes and numbers of a scene.
+    /// The parts, nodes and indices of a scene.
     fn tree_of(&self, scene: &SceneRecord) -> (&'a [Part], &'a [Node], &'a [u32]) {
         (
             self.parts.get(range(scene.first_part, scene.parts)).unwrap_or(&[]),
             self.scene_nodes.get(range(scene.first_node, scene.nodes)).unwrap_or(&[]),
-            self.numbers.get(range(scene.first_number, scene.numbers)).unwrap_or(&[]),
+            self.indices.get(range(scene.first_index, scene.indices)).unwrap_or(&[]),
         )
     }
 
@@ -306,8 +257,8 @@ impl<'a> SceneBlob<'a> {
     fn mesh(&self, index: u32) -> Object<'a> {
         match self.meshes.get(index as usize).and_then(|record| self.mesh_parts(record)) {
             Some(Parts::Still(nodes, blocks)) => Object::Mesh(BvhView::trusted(nodes, blocks)),
-            Some(Parts::Moving(nodes, blocks, keys)) => Object::Moving(MovingView::trusted(nodes, blocks, keys)),
-            Some(Parts::Round(nodes, blocks)) => Object::Round(RoundView::trusted(nodes, blocks)),
+            Some(Parts::Moving(nodes, blocks, keys)) => Object::Moving(MovingBvhView::trusted(nodes, blocks, keys)),
+            Some(Parts::Round(nodes, blocks)) => Object::Round(RoundBvhView::trusted(nodes, blocks)),
             None => Object::Nothing,
         }
     }
@@ -344,17 +295,3 @@ fn section<'a, T: AnyBitPattern>(rest: &mut &'a [u8], count: u32) -> Result<&'a 
 fn range(first: u32, count: u32) -> Range<usize> {
     first as usize..(first as usize).saturating_add(count as usize)
 }
-
-/// Whether a record's range begins where that of the record before it ended.
-fn follow(end: &mut u64, first: u32, count: u32, bad: InvalidScene) -> Result<(), InvalidScene> {
-    if *end != u64::from(first) {
-        return Err(bad);
-    }
-    *end += u64::from(count);
-    Ok(())
-}
-
-#[cfg(any(feature = "alloc", test))]
-mod owned;
-#[cfg(test)]
-mod tests;

@@ -2,6 +2,11 @@
 
 use alloc::vec::Vec;
 
+use crate::error::InvalidScene;
+
+/// The greatest index, `u32::MAX`, stands for no item in [`SceneHit::MISS`](super::SceneHit::MISS).
+const MAX_ITEMS: usize = u32::MAX as usize;
+
 /// The handle of an item in a scene, valid until the item is removed; indices are reused, with another generation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Handle {
@@ -10,7 +15,7 @@ pub struct Handle {
 }
 
 impl Handle {
-    /// The item's index: the `geometry_id` of its hits.
+    /// The item's index: the `item` of its hits.
     pub fn index(self) -> u32 {
         self.index
     }
@@ -40,28 +45,33 @@ struct Place {
 impl Places {
     /// The first `count` places are taken.
     ///
-    /// # Panics
-    /// If there are 2³² - 1 or more.
-    pub(super) fn taken(count: usize) -> Self {
-        assert!(count < u32::MAX as usize, "there are fewer than 2^32 - 1 items");
+    /// # Errors
+    /// [`InvalidScene::TooManyItems`].
+    pub(super) fn taken(count: usize) -> Result<Self, InvalidScene> {
+        if count > MAX_ITEMS {
+            return Err(InvalidScene::TooManyItems { limit: MAX_ITEMS });
+        }
         let mut places = Vec::new();
         places.resize(count, Place { generation: 0, is_taken: true });
-        Self { places, ..Self::default() }
+        Ok(Self { places, ..Self::default() })
     }
 
-    /// Takes a place; `None` if there are no more.
-    pub(super) fn take(&mut self) -> Option<Handle> {
+    /// Takes a place.
+    ///
+    /// # Errors
+    /// [`InvalidScene::TooManyItems`] if there are no more.
+    pub(super) fn take(&mut self) -> Result<Handle, InvalidScene> {
         let index = match self.vacant.pop() {
             Some(index) => index,
+            None if self.places.len() == MAX_ITEMS => return Err(InvalidScene::TooManyItems { limit: MAX_ITEMS }),
             None => {
-                let index = u32::try_from(self.places.len()).ok().filter(|&index| index < u32::MAX)?;
                 self.places.push(Place { generation: 0, is_taken: false });
-                index
+                self.places.len() as u32 - 1
             }
         };
         let place = &mut self.places[index as usize];
         place.is_taken = true;
-        Some(Handle { index, generation: place.generation })
+        Ok(Handle { index, generation: place.generation })
     }
 
     /// Frees the place of a valid handle, to be taken after the next commit.
@@ -117,10 +127,18 @@ mod tests {
         assert_eq!(places.handles().count(), 3);
     }
 
+    #[cfg(target_pointer_width = "64")]
+    #[test]
+    fn there_are_no_more_places_than_indices() {
+        let error = Places::taken(MAX_ITEMS + 1).unwrap_err();
+        assert_eq!(error, InvalidScene::TooManyItems { limit: MAX_ITEMS });
+        assert_eq!(alloc::format!("{error}"), "a scene holds 4294967295 items at most");
+    }
+
     #[test]
     fn a_place_whose_names_are_used_up_stays_vacant() {
         let mut places = Places::default();
-        places.take();
+        places.take().unwrap();
         places.places[0].generation = u32::MAX;
         places.free(Handle { index: 0, generation: u32::MAX });
         places.commit();

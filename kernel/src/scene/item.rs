@@ -35,7 +35,7 @@ pub(super) struct ItemSummary {
 }
 
 impl ItemSummary {
-    /// The facts of an empty scene.
+    /// The summary of an item without an object.
     #[cfg(any(feature = "alloc", test))]
     pub(super) const NOTHING: Self =
         Self { reach: Aabb::EMPTY, error: Vec3::ZERO, levels: 0, paths: 0, keys: 1, count: 0 };
@@ -180,7 +180,7 @@ impl Item<'_> {
     }
 
     /// The item's summary for its scene.
-    pub(super) fn facts(&self) -> ItemSummary {
+    pub(super) fn summary(&self) -> ItemSummary {
         ItemSummary {
             reach: self.reach(),
             error: self.error(),

@@ -30,12 +30,12 @@
 //!
 //! let (mesh, _) = Bvh::build(&[[Vec3::ZERO, Vec3::X, Vec3::Y]], &BuildOptions::default())?;
 //! let mut scene: Scene<'static> = Scene::new(BuildOptions::default());
-//! let handle = scene.insert(Item::new(Arc::new(mesh)));
+//! let handle = scene.insert(Item::new(Arc::new(mesh)))?;
 //! // Each frame:
 //! scene.set_transform(handle, &Affine3A::from_translation(Vec3::NEG_Z))?;
 //! scene.commit()?;
 //! let hit = scene.view().intersect(&Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z).into()).unwrap();
-//! assert_eq!((hit.hit.t, scene.handle(hit.geometry_id)), (2.0, Some(handle)));
+//! assert_eq!((hit.hit.t, scene.handle(hit.item)), (2.0, Some(handle)));
 //! # }
 //! # Ok::<(), halfdome_kernel::Error>(())
 //! ```
@@ -43,7 +43,7 @@
 //! # What a hit is
 //! The ray is transformed into the item's own space by the inverse of its transform, in `f64`, and rounded once: the
 //! hit is that of [`BvhView::intersect`](crate::BvhView::intersect) with this local ray. Its direction is not
-//! normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `geometry_id` counts,
+//! normalised, so that `t` is the same in all spaces. Of equally near hits that with the lowest `item` counts,
 //! then the lowest `prim_id`, then the lowest `path`. So what is hit does not depend on the order of the tree, and is
 //! equal bit for bit on every instruction set and to the loop in [`mod@reference`].
 //!
@@ -58,15 +58,16 @@
 //!
 //! # Motion
 //! Times are 0..=1; other times are clamped, and a ray whose time is NaN hits nothing. Motion has keys, evenly spaced
-//! over that time: triangles ([`MovingView`](crate::bvh::MovingView)), whose corners are interpolated as `(1 - f) a + f
-//! b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a key both equal
-//! static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes are interpolated,
-//! and an item whose own keys do not coincide with the tree's has one box around its whole motion.
+//! over that time: triangles ([`MovingBvhView`](crate::bvh::MovingBvhView)), whose corners are interpolated as
+//! `(1 - f) a + f b` with each operation rounded, and items ([`Item::moving`]), whose transform's elements are. At a
+//! key both equal static geometry exactly. A scene's tree has as many keys as the item with the most keys; its boxes
+//! are interpolated, and an item whose own keys do not coincide with the tree's has one box around its whole motion.
 //!
 //! Nothing here allocates or panics while tracing.
 
 mod answers;
 pub mod blob;
+mod debug;
 #[cfg(any(feature = "alloc", test))]
 mod handle;
 mod image;
@@ -95,7 +96,6 @@ mod view;
 mod walk;
 mod widening;
 
-pub use crate::geometry::Sphere;
 pub use blob::{SCENE_BLOB_VERSION, SceneBlob};
 #[cfg(any(feature = "alloc", test))]
 pub use handle::Handle;
@@ -105,7 +105,7 @@ pub use object::Object;
 #[cfg(any(feature = "alloc", test))]
 pub use owned::{Commit, Scene};
 pub use quad::Quads;
-pub use ray::{SceneHit, SceneRay};
+pub use ray::{SceneHit, ScenePoint, SceneRay};
 pub use shape::Shape;
 pub use sphere::Spheres;
 pub use view::MAX_LEVELS;
@@ -116,6 +116,7 @@ use core::slice;
 
 use crate::simd::{Level, dispatch};
 use crate::traverse::Verdict;
+use crate::traverse::stream::MIN_STREAM_RAYS;
 use answers::{Answers, Nearest, Occluded};
 use search::Judged;
 use stream::StreamAll;
@@ -251,9 +252,10 @@ impl SceneView<'_> {
     }
 }
 
-/// Whether rays are too few for a stream, or the stack has no room for one, as below nested scenes.
+/// Rays by the method that suits their number and the scene: one by one where they are too few for a stream, or the
+/// stack has no room for one, as below nested scenes.
 fn trace_many<A: Answers>(scene: &SceneView, rays: &[SceneRay], answers: A) {
-    if cfg!(target_os = "none") || rays.len() < stream::LEAST || scene.levels() > 0 {
+    if cfg!(target_os = "none") || rays.len() < MIN_STREAM_RAYS || scene.levels() > 0 {
         dispatch(scene.isa(), TraceAll { scene, rays, answers });
     } else {
         dispatch(scene.isa(), StreamAll { scene, rays, answers });

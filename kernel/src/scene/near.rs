@@ -15,29 +15,26 @@ use glam::Vec3;
 
 use super::object::Target;
 use super::space::{Proximity, Space, between, next};
-use super::{Item, SceneHit, SceneView, reference, round};
+use super::{Item, SceneHit, ScenePoint, SceneView, reference, round};
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
 use crate::geometry::closest::{ClosestCandidate, closest_point};
 use crate::geometry::moment::Moment;
-use crate::geometry::{Aabb, Hit, MAX_COORDINATE, Triangle, overlaps};
+use crate::geometry::{Aabb, Hit, Triangle, overlaps};
 use crate::simd::Level;
 
 impl SceneView<'_> {
-    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`, and
-    /// the hit that identifies the triangle, with the distance as its `t`. Only items whose mask has a bit in common
-    /// with `mask` count; points, curves and custom shapes do not. Of equally close ones the lowest `geometry_id`
-    /// counts, then the lowest `prim_id`, then the lowest `path`.
+    /// The point of the scene's triangles at a time that is closest to `point`, if it is not farther than `radius`.
+    /// Only items whose mask has a bit in common with `mask` count; points, curves and custom shapes do not. Of equally
+    /// close ones the lowest `item` counts, then the lowest `prim_id`, then the lowest `path`.
     ///
-    /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is negative or
-    /// NaN; it may be infinite.
-    pub fn closest_point(&self, point: Vec3, radius: f32, time: f32, mask: u32) -> Option<(Vec3, SceneHit)> {
-        let in_range = point.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
-        if !in_range || radius.is_nan() || radius < 0.0 {
-            return None;
-        }
-        let mut search = Closest::new(point, radius);
+    /// `None` too if `point` is out of the [numeric limits](crate#numeric-limits), `time` is NaN, or `radius` is
+    /// negative or NaN; it may be infinite.
+    pub fn closest_point(&self, point: Vec3, radius: f32, time: f32, mask: u32) -> Option<ScenePoint> {
+        let best = ClosestCandidate::none_within(point, radius)?;
+        let mut search = Closest { point, best, place: SceneHit::MISS };
         self.search(&mut search, time, mask);
-        search.found()
+        let SceneHit { item, depth, path, .. } = search.place;
+        search.best.found(point).map(|point| ScenePoint { point, item, depth, path })
     }
 
     /// Gives `visit` every primitive that [overlaps](overlaps()) a box at a time, once for each path to it and in the
@@ -76,23 +73,6 @@ struct Closest {
     place: SceneHit,
 }
 
-impl Closest {
-    fn new(point: Vec3, radius: f32) -> Self {
-        let nothing =
-            ClosestCandidate { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
-        Self { point, best: nothing, place: SceneHit::MISS }
-    }
-
-    fn found(self) -> Option<(Vec3, SceneHit)> {
-        let Self { point, best, place } = self;
-        (best.prim_id != Hit::NO_PRIM).then(|| {
-            let surface = best.to_surface(point);
-            let hit = Hit { t: surface.distance, u: surface.u, v: surface.v, prim_id: surface.prim_id };
-            (surface.point, SceneHit { hit, ..place })
-        })
-    }
-}
-
 impl Proximity for Closest {
     /// The distance, squared, computed as that of a triangle is.
     fn measure(&self, aabb: &Aabb) -> f32 {
@@ -106,7 +86,7 @@ impl Proximity for Closest {
 
     fn meet(&mut self, triangle: &Triangle, place: SceneHit) -> ControlFlow<()> {
         let foot = ClosestCandidate { prim_id: place.hit.prim_id, ..closest_point(self.point, triangle) };
-        let order = |foot: &ClosestCandidate, place: &SceneHit| (place.geometry_id, foot.prim_id, place.path);
+        let order = |foot: &ClosestCandidate, place: &SceneHit| (place.item, foot.prim_id, place.path);
         let is_first = || order(&foot, &place) < order(&self.best, &self.place);
         if foot.distance2 < self.best.distance2 || foot.distance2 == self.best.distance2 && is_first() {
             (self.best, self.place) = (foot, place);
@@ -168,15 +148,15 @@ impl<Q: Proximity> Visit<'_, Q> {
         let Some(moment) = Moment::new(self.time, tree.keys()) else { return ControlFlow::Continue(()) };
         let path = first_path + (scene.paths() - 1);
         let mut walk = Walk::new([tree.nodes(moment.key), tree.nodes(next(moment))], moment.fraction, *space);
-        while let Some(numbers) = walk.next(self.search) {
-            for &number in tree.items().get(numbers).unwrap_or(&[]) {
-                let Some(part) = scene.parts().get(number as usize) else { continue };
+        while let Some(contents) = walk.next(self.search) {
+            for &index in tree.items().get(contents).unwrap_or(&[]) {
+                let Some(part) = scene.parts().get(index as usize) else { continue };
                 let Some(item) = scene.items().get(part.item as usize).filter(|item| item.mask & self.mask != 0) else {
                     continue;
                 };
                 let Some(space) = space.of(&item.placement, self.time) else { continue };
                 let hit = Hit { prim_id: part.prim_id, ..Hit::MISS };
-                let place = SceneHit { hit, geometry_id: part.item, depth, path };
+                let place = SceneHit { hit, item: part.item, depth, path };
                 self.item(item, &space, place, first_path + item.first_path)?;
             }
         }
@@ -198,8 +178,8 @@ impl<Q: Proximity> Visit<'_, Q> {
             }
             Target::Round(tree) => {
                 let mut walk = Walk::new([tree.nodes(); 2], 0.0, *space);
-                while let Some(numbers) = walk.next(self.search) {
-                    round::meet(&tree, numbers, space, self.search, place)?;
+                while let Some(contents) = walk.next(self.search) {
+                    round::meet(&tree, contents, space, self.search, place)?;
                 }
                 ControlFlow::Continue(())
             }
@@ -210,8 +190,8 @@ impl<Q: Proximity> Visit<'_, Q> {
 
     /// Tests the triangles that a walk reaches.
     fn triangles(&mut self, mut walk: Walk, blocks: [&[TriangleBlock]; 2], place: SceneHit) -> ControlFlow<()> {
-        while let Some(numbers) = walk.next(self.search) {
-            let [from, to] = blocks.map(|blocks| blocks.get(numbers.clone()).unwrap_or(&[]));
+        while let Some(contents) = walk.next(self.search) {
+            let [from, to] = blocks.map(|blocks| blocks.get(contents.clone()).unwrap_or(&[]));
             for (from, to) in from.iter().zip(to) {
                 for (lane, prim_id) in from.used_lanes() {
                     let corners = between(&from.triangle(lane), &to.triangle(lane), walk.fraction);

@@ -8,7 +8,7 @@ use super::SceneView;
 use super::shape::Shape;
 #[cfg(any(feature = "alloc", test))]
 use crate::bvh::{Bvh, MovingBvh, RoundBvh};
-use crate::bvh::{BvhView, MovingView, RoundView};
+use crate::bvh::{BvhView, MovingBvhView, RoundBvhView};
 
 /// The object of an item. Many items may share an object in memory.
 ///
@@ -21,9 +21,9 @@ pub enum Object<'a> {
     /// Triangles.
     Mesh(BvhView<'a>),
     /// Triangles that move between keys.
-    Moving(MovingView<'a>),
+    Moving(MovingBvhView<'a>),
     /// Points or curves.
-    Round(RoundView<'a>),
+    Round(RoundBvhView<'a>),
     /// Custom geometry.
     Shape(&'a dyn Shape),
     /// A scene.
@@ -50,8 +50,8 @@ pub enum Object<'a> {
 pub(super) enum Target<'a> {
     Nothing,
     Mesh(BvhView<'a>),
-    Moving(MovingView<'a>),
-    Round(RoundView<'a>),
+    Moving(MovingBvhView<'a>),
+    Round(RoundBvhView<'a>),
     Shape(&'a dyn Shape),
     Scene(SceneView<'a>),
 }
@@ -86,14 +86,14 @@ impl<'a> From<BvhView<'a>> for Object<'a> {
     }
 }
 
-impl<'a> From<MovingView<'a>> for Object<'a> {
-    fn from(tree: MovingView<'a>) -> Self {
+impl<'a> From<MovingBvhView<'a>> for Object<'a> {
+    fn from(tree: MovingBvhView<'a>) -> Self {
         Self::Moving(tree)
     }
 }
 
-impl<'a> From<RoundView<'a>> for Object<'a> {
-    fn from(tree: RoundView<'a>) -> Self {
+impl<'a> From<RoundBvhView<'a>> for Object<'a> {
+    fn from(tree: RoundBvhView<'a>) -> Self {
         Self::Round(tree)
     }
 }

@@ -1,20 +1,21 @@
-//! A scene that owns its items and follows their changes.
+//! A scene that owns its items: built from a list, or by commits of staged changes.
+
+mod changes;
 
 use alloc::vec::Vec;
 use core::fmt;
 use core::mem;
 
-use glam::Affine3A;
-
-use super::handle::{Handle, Places};
+use super::handle::Places;
 use super::item::ItemSummary;
 use super::top_level::{TASK, TopLevel, check_count};
-use super::transform::Placement;
 use super::view::SceneSummary;
 use super::widening::Errors;
-use super::{Item, Object, SceneView};
+use super::{Item, SceneView};
 use crate::bvh::{BuildOptions, BuildReport, Executor, Serial, for_each};
-use crate::error::{Error, InvalidScene};
+use crate::error::Error;
+#[cfg(doc)]
+use crate::error::InvalidScene;
 use crate::geometry::Aabb;
 
 /// A scene that owns its list of items and their tree. The items' objects are borrowed or shared; where all are shared,
@@ -26,7 +27,7 @@ pub struct Scene<'a> {
     options: BuildOptions,
     /// As of the last commit, by index.
     items: Vec<Item<'a>>,
-    facts: Vec<ItemSummary>,
+    summaries: Vec<ItemSummary>,
     places: Places,
     staged: Vec<Staged<'a>>,
     /// For each index its place in `staged`, or [`UNCHANGED`].
@@ -80,7 +81,7 @@ impl<'a> Scene<'a> {
         Self {
             options,
             items: Vec::new(),
-            facts: Vec::new(),
+            summaries: Vec::new(),
             places: Places::default(),
             staged: Vec::new(),
             staged_at: Vec::new(),
@@ -94,7 +95,7 @@ impl<'a> Scene<'a> {
     /// beyond the [numeric limits](crate#numeric-limits) at some time as out of range. Neither is in the scene.
     ///
     /// # Errors
-    /// The errors of [`commit`](Self::commit).
+    /// [`InvalidScene::TooManyItems`] and the errors of [`commit`](Self::commit).
     pub fn build(items: Vec<Item<'a>>, options: &BuildOptions) -> Result<(Self, BuildReport), Error> {
         Self::build_on(&Serial, items, options)
     }
@@ -108,104 +109,18 @@ impl<'a> Scene<'a> {
         items: Vec<Item<'a>>,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
-        let mut facts = Vec::new();
-        facts.resize(items.len(), ItemSummary::NOTHING);
-        for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = items[place].facts());
         let mut scene = Self::new(*options);
-        scene.places = Places::taken(items.len());
+        scene.places = Places::taken(items.len())?;
+        let mut summaries = Vec::new();
+        summaries.resize(items.len(), ItemSummary::NOTHING);
+        for_each(executor, TASK, 0, &mut summaries, &|place, summary| *summary = items[place].summary());
         scene.staged_at = alloc::vec![UNCHANGED; items.len()];
-        (scene.items, scene.facts) = (items, facts);
+        (scene.items, scene.summaries) = (items, summaries);
         scene.summary = scene.new_summary()?;
-        let (top, report) = TopLevel::build(executor, (&scene.items, &scene.facts), &scene.summary, options)?;
+        let (top, report) = TopLevel::build(executor, (&scene.items, &scene.summaries), &scene.summary, options)?;
         scene.top = top;
         scene.number_paths();
         Ok((scene, report))
-    }
-
-    /// Adds an item, from the next commit on.
-    ///
-    /// # Panics
-    /// If there are 2³² - 1 items.
-    pub fn insert(&mut self, item: Item<'a>) -> Handle {
-        let handle = self.places.take().expect("there are fewer than 2^32 - 1 items");
-        let index = handle.index as usize;
-        if index == self.items.len() {
-            // Nothing yet, with the paths of nothing: none.
-            self.items.push(Item { first_path: self.summary.first_path(), ..Item::nothing() });
-            self.facts.push(ItemSummary::NOTHING);
-            self.staged_at.push(UNCHANGED);
-        }
-        *self.stage(handle.index) = item;
-        handle
-    }
-
-    /// Removes an item, from the next commit on, and its handle at once.
-    ///
-    /// # Errors
-    /// [`InvalidScene::NoSuchItem`].
-    pub fn remove(&mut self, handle: Handle) -> Result<(), Error> {
-        *self.item_mut(handle)? = Item::nothing();
-        self.places.free(handle);
-        Ok(())
-    }
-
-    /// Sets an item's transform, from the next commit on. A transform that flattens hides it.
-    ///
-    /// # Errors
-    /// [`InvalidScene::NoSuchItem`] and those of [`Item::placed`]; the item then keeps its transform.
-    pub fn set_transform(&mut self, handle: Handle, to_scene: &Affine3A) -> Result<(), Error> {
-        let placement = Placement::still(to_scene)?;
-        self.item_mut(handle)?.placement = placement;
-        Ok(())
-    }
-
-    /// Sets an item's mask, from the next commit on; 0 hides it.
-    ///
-    /// # Errors
-    /// [`InvalidScene::NoSuchItem`].
-    pub fn set_mask(&mut self, handle: Handle, mask: u32) -> Result<(), Error> {
-        self.item_mut(handle)?.mask = mask;
-        Ok(())
-    }
-
-    /// Sets an item's object, from the next commit on; its transform and mask stay. A deforming mesh can use two trees,
-    /// one in the scene while the other is refitted: after the commit the first is no longer shared.
-    ///
-    /// # Errors
-    /// [`InvalidScene::NoSuchItem`].
-    pub fn set_object(&mut self, handle: Handle, object: impl Into<Object<'a>>) -> Result<(), Error> {
-        self.item_mut(handle)?.object = object.into();
-        Ok(())
-    }
-
-    /// Replaces an item, from the next commit on; the handle stays.
-    ///
-    /// # Errors
-    /// [`InvalidScene::NoSuchItem`].
-    pub fn set_item(&mut self, handle: Handle, item: Item<'a>) -> Result<(), Error> {
-        *self.item_mut(handle)? = item;
-        Ok(())
-    }
-
-    /// An item with its changes since the last commit; `None` if it was removed.
-    pub fn get(&self, handle: Handle) -> Option<&Item<'a>> {
-        if !self.places.contains(handle) {
-            return None;
-        }
-        match self.staged_at[handle.index as usize] {
-            UNCHANGED => self.items.get(handle.index as usize),
-            place => self.staged.get(place as usize).map(|staged| &staged.item),
-        }
-    }
-
-    /// The handle of the item that a hit names by its `geometry_id`; `None` if it has been removed since.
-    pub fn handle(&self, geometry_id: u32) -> Option<Handle> {
-        self.places.handle(geometry_id)
-    }
-
-    /// The handles of all items, in the order of their indices.
-    pub fn handles(&self) -> impl Iterator<Item = Handle> {
-        self.places.handles()
     }
 
     /// Whether there were no changes since the last commit.
@@ -239,29 +154,29 @@ impl<'a> Scene<'a> {
         let mut report = BuildReport::default();
         let mut is_rebuilt = false;
         if changed > 0 {
-            let mut facts = Vec::new();
-            facts.resize(changed, ItemSummary::NOTHING);
-            for_each(executor, TASK, 0, &mut facts, &|place, facts| *facts = self.staged[place].item.facts());
-            self.exchange_facts(&mut facts);
+            let mut summaries = Vec::new();
+            summaries.resize(changed, ItemSummary::NOTHING);
+            for_each(executor, TASK, 0, &mut summaries, &|place, summary| *summary = self.staged[place].item.summary());
+            self.exchange_summaries(&mut summaries);
             let summary = match self.new_summary() {
                 Ok(summary) => summary,
                 Err(error) => {
-                    self.exchange_facts(&mut facts);
+                    self.exchange_summaries(&mut summaries);
                     return Err(error);
                 }
             };
             // From here on nothing fails, but for a tree that gets too deep.
             self.exchange_items();
             let indices: Vec<u32> = self.staged.iter().map(|staged| staged.index).collect();
-            if self.top.fit(executor, (&self.items, &self.facts), &indices, &summary).is_none() {
-                match TopLevel::build(executor, (&self.items, &self.facts), &summary, &self.options) {
+            if self.top.fit(executor, (&self.items, &self.summaries), &indices, &summary).is_none() {
+                match TopLevel::build(executor, (&self.items, &self.summaries), &summary, &self.options) {
                     Ok((top, built)) => (self.top, report) = (top, built),
                     Err(error) => {
                         self.exchange_items();
-                        self.exchange_facts(&mut facts);
+                        self.exchange_summaries(&mut summaries);
                         self.number_paths();
                         // What was built before can be built again.
-                        let list = (&self.items[..], &self.facts[..]);
+                        let list = (&self.items[..], &self.summaries[..]);
                         (self.top, _) = TopLevel::build(executor, list, &self.summary, &self.options)?;
                         return Err(error);
                     }
@@ -285,8 +200,8 @@ impl<'a> Scene<'a> {
     }
 
     /// Memory of items, parts and the tree in bytes; borrowed and shared objects are not counted.
-    pub fn bytes(&self) -> usize {
-        size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.bytes()
+    pub fn memory_bytes(&self) -> usize {
+        size_of_val(&self.items[..]) + size_of_val(&self.top.parts[..]) + self.top.tree.memory_bytes()
     }
 
     /// The options of its own tree.
@@ -299,27 +214,9 @@ impl<'a> Scene<'a> {
         self.top.widen(bounds);
     }
 
-    fn item_mut(&mut self, handle: Handle) -> Result<&mut Item<'a>, InvalidScene> {
-        if !self.places.contains(handle) {
-            let Handle { index, generation } = handle;
-            return Err(InvalidScene::NoSuchItem { index, generation });
-        }
-        Ok(self.stage(handle.index))
-    }
-
-    /// The item at an index, to be changed.
-    fn stage(&mut self, index: u32) -> &mut Item<'a> {
-        let place = &mut self.staged_at[index as usize];
-        if *place == UNCHANGED {
-            *place = self.staged.len() as u32;
-            self.staged.push(Staged { index, item: self.items[index as usize].clone() });
-        }
-        &mut self.staged[*place as usize].item
-    }
-
-    fn exchange_facts(&mut self, facts: &mut [ItemSummary]) {
-        for (staged, facts) in self.staged.iter().zip(facts) {
-            mem::swap(&mut self.facts[staged.index as usize], facts);
+    fn exchange_summaries(&mut self, summaries: &mut [ItemSummary]) {
+        for (staged, summary) in self.staged.iter().zip(summaries) {
+            mem::swap(&mut self.summaries[staged.index as usize], summary);
         }
     }
 
@@ -331,20 +228,20 @@ impl<'a> Scene<'a> {
 
     fn new_summary(&self) -> Result<SceneSummary, Error> {
         let (mut summary, mut errors) = (SceneSummary::NOTHING, Errors::NONE);
-        for (index, facts) in self.facts.iter().enumerate() {
-            summary.add(index, facts, &mut errors)?;
+        for (index, item) in self.summaries.iter().enumerate() {
+            summary.add(index, item, &mut errors)?;
         }
         summary.finish(&errors);
-        check_count(self.facts.iter().map(|facts| facts.count))?;
+        check_count(self.summaries.iter().map(|item| item.count))?;
         Ok(summary)
     }
 
     /// Numbers the paths through items.
     fn number_paths(&mut self) {
         let mut paths = 0;
-        for (item, facts) in self.items.iter_mut().zip(&self.facts) {
+        for (item, summary) in self.items.iter_mut().zip(&self.summaries) {
             item.first_path = paths;
-            paths += facts.paths;
+            paths += summary.paths;
         }
     }
 }

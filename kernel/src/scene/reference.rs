@@ -25,7 +25,7 @@ pub fn intersect_filtered(
     let mut best: Option<SceneHit> = None;
     let mut stopped = false;
     all_hits(scene, ray, 0, 0, &mut |hit| {
-        let order = |hit: &SceneHit| (hit.geometry_id, hit.hit.prim_id, hit.path);
+        let order = |hit: &SceneHit| (hit.item, hit.hit.prim_id, hit.path);
         let is_better = match &best {
             Some(best) if hit.hit.t == best.hit.t => order(&hit) < order(best),
             Some(best) => hit.hit.t < best.hit.t,
@@ -53,8 +53,8 @@ fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see:
     if !can_hit(&ray) || time.is_nan() {
         return;
     }
-    for &number in scene.tree().items() {
-        let part = scene.parts()[number as usize];
+    for &index in scene.tree().items() {
+        let part = scene.parts()[index as usize];
         let item = &scene.items()[part.item as usize];
         if item.mask & mask == 0 {
             continue;
@@ -63,7 +63,7 @@ fn all_hits(scene: &SceneView, ray: &SceneRay, first_path: u64, depth: u32, see:
             continue;
         };
         let path = first_path + (scene.paths() - 1);
-        let mut see_here = |hit| see(SceneHit { hit, geometry_id: part.item, depth, path });
+        let mut see_here = |hit| see(SceneHit { hit, item: part.item, depth, path });
         match item.object.target() {
             Target::Nothing => {}
             Target::Mesh(tree) => loop_over(tree.blocks(), tree.blocks(), 0.0, &local, &mut see_here),
@@ -95,8 +95,8 @@ fn loop_over(from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32, ray: &
     }
 }
 
-/// Shows a search all triangles of a scene in a space at a time that a mask sees, where they are, and the boxes of shapes'
-/// primitives, until it breaks off.
+/// Shows a search all triangles of a scene in a space at a time that a mask sees, where they are, and the boxes of
+/// shapes' primitives, until it breaks off.
 pub(super) fn search(
     scene: &SceneView,
     space: &Space,
@@ -104,15 +104,15 @@ pub(super) fn search(
     (first_path, depth): (u64, u32),
     search: &mut dyn Proximity,
 ) -> ControlFlow<()> {
-    for &number in scene.tree().items() {
-        let part = scene.parts()[number as usize];
+    for &index in scene.tree().items() {
+        let part = scene.parts()[index as usize];
         let item = &scene.items()[part.item as usize];
         if item.mask & mask == 0 {
             continue;
         }
         let Some(space) = space.of(&item.placement, time) else { continue };
         let path = first_path + (scene.paths() - 1);
-        let place = |prim_id| SceneHit { hit: Hit { prim_id, ..Hit::MISS }, geometry_id: part.item, depth, path };
+        let place = |prim_id| SceneHit { hit: Hit { prim_id, ..Hit::MISS }, item: part.item, depth, path };
         let mut loop_over = |from: &[TriangleBlock], to: &[TriangleBlock], fraction: f32| {
             for (from, to) in from.iter().zip(to) {
                 for (lane, prim_id) in from.used_lanes() {

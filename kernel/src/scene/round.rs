@@ -5,17 +5,17 @@ use core::ops::{ControlFlow, Range};
 use super::SceneHit;
 use super::search::{ItemCollector, Search};
 use super::space::{Proximity, Space};
-use crate::bvh::{RoundBlock, RoundView, used_lanes, with_blocks};
+use crate::bvh::{RoundBlock, RoundBvhView, used_lanes, with_blocks};
 use crate::geometry::{Hit, Ray, RoundPrimitive, intersect_round};
 use crate::simd::{Isa, Simd, Work, dispatch};
 use crate::traverse::TraversalStack;
 use crate::traverse::single::round;
 
-/// Shows a search the hits of a ray with points or curves; all have in common what `common` says. Not inlined, so that walks
-/// through scenes of triangles are not compiled with this in their midst. `stack` is memory.
+/// Shows a search the hits of a ray with points or curves; all have in common what `common` says. Not inlined, so that
+/// walks through scenes of triangles are not compiled with this in their midst. `stack` is memory.
 #[inline(never)]
 pub(super) fn enter<Q: Search>(
-    tree: &RoundView,
+    tree: &RoundBvhView,
     ray: &Ray,
     isa: Isa,
     stack: &mut TraversalStack,
@@ -26,7 +26,7 @@ pub(super) fn enter<Q: Search>(
 }
 
 struct Enter<'a, 's, Q> {
-    tree: &'a RoundView<'a>,
+    tree: &'a RoundBvhView<'a>,
     isa: Isa,
     ray: &'a Ray,
     stack: &'s mut TraversalStack,
@@ -44,7 +44,7 @@ impl<Q: Search> Work for Enter<'_, '_, Q> {
 }
 
 /// Shows all hits of a ray, one primitive after the other.
-pub(super) fn for_each_hit(tree: &RoundView, ray: &Ray, see: &mut dyn FnMut(Hit)) {
+pub(super) fn for_each_hit(tree: &RoundBvhView, ray: &Ray, see: &mut dyn FnMut(Hit)) {
     with_blocks!(tree.blocks(), slice => {
         for block in slice {
             for (lane, prim_id) in used_lanes(block) {
@@ -58,14 +58,14 @@ pub(super) fn for_each_hit(tree: &RoundView, ray: &Ray, see: &mut dyn FnMut(Hit)
 
 /// Shows a search in a space the boxes of the primitives in some blocks.
 pub(super) fn meet(
-    tree: &RoundView,
-    numbers: Range<usize>,
+    tree: &RoundBvhView,
+    blocks: Range<usize>,
     space: &Space,
     search: &mut dyn Proximity,
     place: SceneHit,
 ) -> ControlFlow<()> {
     with_blocks!(tree.blocks(), slice => {
-        for block in slice.get(numbers).unwrap_or(&[]) {
+        for block in slice.get(blocks).unwrap_or(&[]) {
             for (lane, prim_id) in used_lanes(block) {
                 let hit = Hit { prim_id, ..place.hit };
                 search.meet_box(&space.aabb(&block.primitive(lane).bounds()), SceneHit { hit, ..place })?;

@@ -47,7 +47,7 @@ impl Closest {
     #[inline(always)]
     pub(super) fn to_precede(&self, common: &SceneHit) -> Hit {
         let best = &self.best;
-        let prim_id = match common.geometry_id.cmp(&best.geometry_id) {
+        let prim_id = match common.item.cmp(&best.item) {
             Ordering::Less => Hit::NO_PRIM,
             Ordering::Equal => best.hit.prim_id.saturating_add(u32::from(common.path < best.path)),
             Ordering::Greater => 0,

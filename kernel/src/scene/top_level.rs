@@ -49,13 +49,13 @@ impl TopLevel {
         }
     }
 
-    /// Builds the tree over items of which these are the facts.
+    /// Builds the tree over items of which these are the summaries.
     ///
     /// # Errors
     /// [`InvalidTree::TooLarge`].
     pub(super) fn build<E: Executor>(
         executor: &E,
-        (items, facts): (&[Item], &[ItemSummary]),
+        (items, summaries): (&[Item], &[ItemSummary]),
         summary: &SceneSummary,
         options: &BuildOptions,
     ) -> Result<(Self, BuildReport), Error> {
@@ -78,7 +78,7 @@ impl TopLevel {
         let (tree, report) = if widening.is_by_rays() {
             BoxTree::build_on(executor, &boxes, keys, options)?
         } else {
-            let error = |part: usize| facts[parts[part % parts.len()].item as usize].error;
+            let error = |part: usize| summaries[parts[part % parts.len()].item as usize].error;
             let widened = boxes.iter().enumerate().map(|(place, aabb)| widening.in_tree(*aabb, error(place)));
             BoxTree::build_on(executor, &widened.collect::<Vec<_>>(), keys, options)?
         };
@@ -110,7 +110,7 @@ impl TopLevel {
     pub(super) fn fit<E: Executor>(
         &mut self,
         executor: &E,
-        (items, facts): (&[Item], &[ItemSummary]),
+        (items, summaries): (&[Item], &[ItemSummary]),
         changed: &[u32],
         summary: &SceneSummary,
     ) -> Option<()> {
@@ -152,7 +152,7 @@ impl TopLevel {
             self.tree.fit(executor, plain);
         } else {
             // All of them: by how much they are widened depends on what the whole scene reaches.
-            let error = |part: u32| facts[all[part as usize].item as usize].error;
+            let error = |part: u32| summaries[all[part as usize].item as usize].error;
             self.tree.fit(executor, |key, part| widening.in_tree(plain(key, part), error(part)));
         }
         self.measure(widening);

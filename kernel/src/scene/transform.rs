@@ -7,11 +7,11 @@
 //! between.
 //!
 //! # Error bounds
-//! With `u = 2⁻²⁴`, the local ray's point at `t` is off by `u (|o'| + t |d'|)`, and a hit there lies in the item's local
-//! boxes widened by `e' ρ'`, where `ρ'` is the greatest distance along an axis from `o'` to anything in local space, the
-//! local origin included, and `e'` is `23 u` for triangles and shapes (twice `OWN_PAD`, and rounding) or the
-//! [error](Placement::error) of a scene. Back in the outer space that is `|M| (e' + 3u) ρ'`, and `ρ'` is at most `|M⁻¹| ρ`. So
-//! a hit is off the item's box, along axis `k`, by at most `ρ` times
+//! With `u = 2⁻²⁴`, the local ray's point at `t` is off by `u (|o'| + t |d'|)`, and a hit there lies in the item's
+//! local boxes widened by `e' ρ'`, where `ρ'` is the greatest distance along an axis from `o'` to anything in local
+//! space, the local origin included, and `e'` is `23 u` for triangles and shapes (twice `OWN_PAD`, and rounding) or the
+//! [error](Placement::error) of a scene. Back in the outer space that is `|M| (e' + 3u) ρ'`, and `ρ'` is at most
+//! `|M⁻¹| ρ`. So a hit is off the item's box, along axis `k`, by at most `ρ` times
 //!
 //! ```text
 //! error_k = (Σ_j |M_kj|) ‖M⁻¹‖ (e' + 32 u)          ‖.‖: greatest row sum of absolute values
@@ -124,8 +124,8 @@ impl<'a> Placement<'a> {
     /// A placement by transforms at evenly spaced times.
     ///
     /// # Errors
-    /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is singular
-    /// between keys, as halfway through half a turn.
+    /// [`InvalidScene::NoKeys`], [`InvalidScene::NotFinite`] and [`InvalidScene::Singular`]; the latter also if it is
+    /// singular between keys, as halfway through half a turn.
     pub(super) fn moving(keys: Keys<'a>) -> Result<Self, Error> {
         if let [only] = &*keys {
             return Self::still(only);

@@ -65,7 +65,7 @@ impl SceneSummary {
         let (mut summary, mut errors) = (Self::NOTHING, Errors::NONE);
         for (index, item) in items.iter_mut().enumerate() {
             item.first_path = summary.first_path();
-            summary.add(index, &item.facts(), &mut errors)?;
+            summary.add(index, &item.summary(), &mut errors)?;
         }
         summary.finish(&errors);
         Ok(summary)
@@ -115,8 +115,8 @@ impl SceneSummary {
 }
 
 impl<'a> SceneView<'a> {
-    /// Borrows a scene whose tree is `nodes` and `numbers`, as in [`BoxTreeView::new`]; the numbers name `parts`. The tree has
-    /// as many keys as the item that has most. The items' paths are numbered.
+    /// Borrows a scene whose tree is `nodes` and `indices`, as in [`BoxTreeView::new`]; these are indices of `parts`.
+    /// The tree has as many keys as the item that has most. The items' paths are numbered.
     ///
     /// # Errors
     /// [`InvalidTree`](crate::InvalidTree) for the tree, and [`InvalidScene`] for the items.
@@ -124,20 +124,20 @@ impl<'a> SceneView<'a> {
         items: &'a mut [Item<'b>],
         parts: &'a [Part],
         nodes: &'a [Node],
-        numbers: &'a [u32],
+        indices: &'a [u32],
     ) -> Result<Self, Error> {
         let summary = SceneSummary::of(items)?;
         let items: &'a [Item<'a>] = items;
         let with = |widening: Widening| {
             let bounds = Cell::new(Aabb::EMPTY);
-            let aabb = |key: usize, number: u32| {
-                let part = parts.get(number as usize)?;
+            let aabb = |key: usize, index: u32| {
+                let part = parts.get(index as usize)?;
                 let item = items.get(part.item as usize).filter(|item| part.prim_id < item.count())?;
                 let aabb = item.aabb(part.prim_id, key, summary.keys);
                 bounds.set(bounds.get().union(&aabb));
                 Some(if widening.is_by_rays() { aabb } else { widening.in_tree(aabb, item.error()) })
             };
-            let tree = BoxTreeView::new(nodes, numbers, summary.keys, aabb)?;
+            let tree = BoxTreeView::new(nodes, indices, summary.keys, aabb)?;
             let bounds = if widening.is_by_rays() { tree.bounds() } else { bounds.get() };
             Ok(Self { items, parts, tree, summary: SceneSummary { widening, ..summary }, bounds, isa: Isa::detect() })
         };
@@ -149,8 +149,8 @@ impl<'a> SceneView<'a> {
         }
     }
 
-    /// Borrows a scene that is known to be valid, and whose boxes are in the tree as its [widening](SceneSummary::widening)
-    /// says.
+    /// Borrows a scene that is known to be valid, and whose boxes are in the tree as its
+    /// [widening](SceneSummary::widening) says.
     #[cfg(any(feature = "alloc", test))]
     pub(super) fn trusted(
         items: &'a [Item<'a>],
@@ -197,8 +197,8 @@ impl<'a> SceneView<'a> {
 
     /// The entry with the box of this index in the tree, and its item.
     #[inline(always)]
-    pub(super) fn item_of(&self, number: u32) -> Option<(&'a Part, &'a Item<'a>)> {
-        let part = self.parts.get(number as usize)?;
+    pub(super) fn item_of(&self, index: u32) -> Option<(&'a Part, &'a Item<'a>)> {
+        let part = self.parts.get(index as usize)?;
         Some((part, self.items.get(part.item as usize)?))
     }
 
@@ -222,7 +222,7 @@ impl<'a> SceneView<'a> {
         for (_, item) in instances.by_ref() {
             whole *= item.to_scene(time)?;
         }
-        Some(whole * instances.scene?.items.get(hit.geometry_id as usize)?.to_scene(time)?)
+        Some(whole * instances.scene?.items.get(hit.item as usize)?.to_scene(time)?)
     }
 
     /// The items with nested scenes on the path to a hit, the outermost first; empty for a hit of another scene.
@@ -261,7 +261,7 @@ impl<'a> SceneView<'a> {
 }
 
 /// The items on the path to a hit, each with its index in the scene that has it; returned by [`SceneView::instances`].
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub struct Instances<'a> {
     /// The scene that the path has reached so far; `None` if there is no such path.
     scene: Option<SceneView<'a>>,

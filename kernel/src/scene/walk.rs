@@ -57,7 +57,7 @@ impl<Q: Search> Work for Trace<'_, Q> {
 pub(super) struct MeetItem<'a, Q> {
     pub scene: &'a SceneView<'a>,
     pub ray: &'a SceneRay,
-    pub number: u32,
+    pub index: u32,
     pub search: &'a mut Q,
 }
 
@@ -65,11 +65,11 @@ impl<Q: Search> Work for MeetItem<'_, Q> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd>(self) {
-        let Self { scene, ray, number, search } = self;
+        let Self { scene, ray, index, search } = self;
         let triangles = &mut TraversalStack::new();
         let mut visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
         // The search itself records whether it was ended early.
-        let _ = visit.meet_number::<S>(number);
+        let _ = visit.meet_part::<S>(index);
     }
 }
 
@@ -85,12 +85,12 @@ impl<A: Answers> Work for TraceAll<'_, A> {
     #[inline(always)]
     fn run<S: Simd>(mut self) {
         let mut memory = Memory::new();
-        for (number, ray) in self.rays.iter().enumerate() {
-            self.answers.begin(number, ray.ray.t_max);
-            let mut search = self.answers.search(number, ray.ray.t_max);
+        for (index, ray) in self.rays.iter().enumerate() {
+            self.answers.begin(index, ray.ray.t_max);
+            let mut search = self.answers.search(index, ray.ray.t_max);
             memory.trace::<S, _>(self.scene, ray, &mut search);
-            self.answers.advance(number, search);
-            self.answers.end(number);
+            self.answers.advance(index, search);
+            self.answers.end(index);
         }
     }
 }
@@ -192,10 +192,10 @@ impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
     }
 
     #[inline(always)]
-    fn visit_leaf<S: Simd>(&mut self, numbers: Range<usize>) -> ControlFlow<()> {
+    fn visit_leaf<S: Simd>(&mut self, contents: Range<usize>) -> ControlFlow<()> {
         let scene = self.visit.scene;
-        for &number in scene.tree().items().get(numbers).unwrap_or(&[]) {
-            self.visit.meet_number::<S>(number)?;
+        for &index in scene.tree().items().get(contents).unwrap_or(&[]) {
+            self.visit.meet_part::<S>(index)?;
         }
         ControlFlow::Continue(())
     }
@@ -204,8 +204,8 @@ impl<Q: Search> Intersector for ItemIntersector<'_, '_, Q> {
 impl<Q: Search> Visit<'_, '_, Q> {
     /// Traces the ray through the entry with the box of this index, if its mask allows.
     #[inline(always)]
-    fn meet_number<S: Simd>(&mut self, number: u32) -> ControlFlow<()> {
-        match self.scene.item_of(number) {
+    fn meet_part<S: Simd>(&mut self, index: u32) -> ControlFlow<()> {
+        match self.scene.item_of(index) {
             Some((part, item)) if item.mask & self.ray.mask != 0 => self.meet::<S>(item, part.item, part.prim_id),
             _ => ControlFlow::Continue(()),
         }
@@ -219,7 +219,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
             return ControlFlow::Continue(());
         };
         let path = self.first_path + (self.scene.paths() - 1);
-        let common = SceneHit { hit: Hit::MISS, geometry_id: index, depth: self.depth, path };
+        let common = SceneHit { hit: Hit::MISS, item: index, depth: self.depth, path };
         match item.object.target() {
             Target::Nothing => ControlFlow::Continue(()),
             Target::Mesh(tree) => self.search.visit_mesh::<S>(&tree, &ray, common, self.triangles),

@@ -8,24 +8,24 @@
 //!
 //! - Ordinary ones have an error of at most a limit. Their boxes are in the tree unchanged. `E` is the greatest of
 //!   their errors.
-//! - The boxes of distorted ones are in the tree widened by `e_i N`, where the near reach `N` is [twice](NEAR) the
-//!   extent of what the scene's reach spans. `F` is the greatest of their errors.
+//! - The boxes of distorted ones are in the tree widened by `e_i N`, where the near reach `N` is
+//!   [twice](MAX_WIDENED_REACH) the extent of what the scene's reach spans. `F` is the greatest of their errors.
 //!
 //! and a ray widens all boxes, those of inner nodes too, by `max(E ρ, F (ρ - N))`. That is enough for every item and
 //! every ray: for an ordinary one `e_i ρ <= E ρ`, and for a distorted one `e_i ρ = e_i N + e_i (ρ - N) <= e_i N + F
-//! (ρ - N)` if `ρ > N`, and `e_i ρ <= e_i N` if not. An origin in what the reach spans has `ρ <= N / 2`, and one that is
-//! as far out as that is large has `ρ <= N`: such rays are affected by the boxes of distorted items only.
+//! (ρ - N)` if `ρ > N`, and `e_i ρ <= e_i N` if not. An origin in what the reach spans has `ρ <= N / 2`, and one that
+//! is as far out as that is large has `ρ <= N`: such rays are affected by the boxes of distorted items only.
 //!
 //! The limit does not affect correctness: it is the least power of two, from [`ORDINARY`] on, that
 //! [few](may_be_distorted) items exceed. Where many are distorted, it is better that rays widen boxes by what they need
 //! than that boxes are widened for all rays.
 //!
 //! Rounding: the module [`transform`](super::transform) says that 26 of the 32 units in its `e_i` are needed. The rest,
-//! `3 u` of each `u` and more of the whole, has room for a few roundings here, for those of the distances to planes that
-//! lie farther out by `e_i N`, and for those of boxes between keys, each of which is widened by the same.
+//! `3 u` of each `u` and more of the whole, has room for a few roundings here, for those of the distances to planes
+//! that lie farther out by `e_i N`, and for those of boxes between keys, each of which is widened by the same.
 //!
-//! Where anything reaches out so far that a widened box might be beyond the [numeric limits](crate#numeric-limits), no box
-//! in the tree is widened, and rays widen all of them by `ρ` times the greatest error of all items.
+//! Where anything reaches out so far that a widened box might be beyond the [numeric limits](crate#numeric-limits), no
+//! box in the tree is widened, and rays widen all of them by `ρ` times the greatest error of all items.
 
 use core::ops::Range;
 
@@ -46,9 +46,10 @@ fn may_be_distorted(items: usize) -> usize {
 }
 
 /// Up to what reach of rays widened boxes are enough, in extents of what the reach spans.
-const NEAR: f32 = 2.0;
+const MAX_WIDENED_REACH: f32 = 2.0;
 
-/// The errors of the items of a scene: how many there are up to each limit, above that before it, and the greatest of them.
+/// The errors of the items of a scene: how many there are up to each limit, above that before it, and the greatest of
+/// them.
 #[derive(Clone, Copy)]
 pub(super) struct Errors([(usize, Vec3); LIMITS]);
 
@@ -98,7 +99,7 @@ impl Widening {
             last -= 1;
         }
         let (ordinary, distorted) = (errors.greatest(0..last + 1), errors.greatest(last + 1..LIMITS));
-        let near = NEAR * (reach.max - reach.min).max_element();
+        let near = MAX_WIDENED_REACH * (reach.max - reach.min).max_element();
         let farthest = reach.min.abs().max(reach.max.abs()).max_element();
         // False for infinity and NaN.
         let has_room = near <= MAX_COORDINATE / 4.0 && farthest <= MAX_COORDINATE / 4.0;

@@ -116,8 +116,8 @@ fn transpose_halves([a, b, c, d]: [F32x8; 4]) -> [__m256; 4] {
     }
 }
 
-/// [`Simd::deinterleave`] of eight triples: the numbers of a kind are in other lanes of each eight, so they are put together first
-/// and in order then.
+/// [`Simd::deinterleave`] of eight triples: the numbers of a kind are in other lanes of each eight, so they are put
+/// together first and in order then.
 #[inline(always)]
 fn deinterleave(a: &[f32; 8], b: &[f32; 8], c: &[f32; 8]) -> [F32x8; 3] {
     // SAFETY: AVX2 is there, see the module; the pointers are to eight elements each.

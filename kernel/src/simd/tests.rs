@@ -4,8 +4,8 @@ use alloc::vec::Vec;
 
 use super::*;
 
-/// Runs `work` while the processor takes subnormal numbers for zero and gives zero in place of them, as audio programs and
-/// engines have it: bits 15 (FTZ) and 6 (DAZ) of MXCSR.
+/// Runs `work` while the processor takes subnormal numbers for zero and gives zero in place of them, as audio programs
+/// and engines have it: bits 15 (FTZ) and 6 (DAZ) of MXCSR.
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 pub(crate) fn flushing_subnormals<T>(work: impl FnOnce() -> T) -> T {
     let mut usual = 0u32;

@@ -1,4 +1,5 @@
-//! Tracing rays through a tree: the methods of [`BvhView`], and the scalar [`mod@reference`] that they equal bit for bit.
+//! Tracing rays through a tree: the methods of [`BvhView`], and the scalar [`mod@reference`] that they equal bit for
+//! bit.
 //!
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
@@ -34,6 +35,7 @@ pub(crate) mod stream;
 pub(crate) mod tests;
 
 use collector::Collector;
+use packet::TracePacket;
 pub use packet::{PacketWidth, Width};
 pub use query::{Facing, Hits, Verdict, Visits};
 pub(crate) use stack::TraversalStack;
@@ -166,19 +168,19 @@ impl BvhView<'_> {
     }
 }
 
-/// Writes the hit of the ray of a number.
+/// Writes the hit of the ray of an index.
 fn write_hits(hits: &mut [Hit]) -> impl FnMut(usize, Hit) {
-    |number, hit| {
-        if let Some(place) = hits.get_mut(number) {
+    |ray, hit| {
+        if let Some(place) = hits.get_mut(ray) {
             *place = hit;
         }
     }
 }
 
-/// Writes whether the ray of a number has a hit.
+/// Writes whether the ray of an index has a hit.
 fn write_occluded(occluded: &mut [bool]) -> impl FnMut(usize, Hit) {
-    |number, hit| {
-        if let Some(place) = occluded.get_mut(number) {
+    |ray, hit| {
+        if let Some(place) = occluded.get_mut(ray) {
             *place = hit.is_hit();
         }
     }
@@ -194,13 +196,9 @@ fn trace_gather<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut
     }
 }
 
-/// The least number of rays that pays for a stream.
-const LEAST_STREAM: usize = 24;
-
 /// Rays of any kind, by the method that suits their number and the tree.
 fn trace_many<const ANY: bool>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
-    // With few rays most lanes would be empty, and setting up a stream would take longer than it saves.
-    if cfg!(target_os = "none") || rays.len() < LEAST_STREAM {
+    if cfg!(target_os = "none") || rays.len() < stream::MIN_STREAM_RAYS {
         dispatch(tree.isa(), Few::<ANY, _> { tree, rays, write });
     } else if leaf_queues::suit(tree) {
         dispatch(tree.isa(), LeafQueues::<ANY, _> { tree, rays, write });
@@ -222,7 +220,7 @@ impl<const ANY: bool> Work for One<'_, ANY> {
     }
 }
 
-/// The ways to trace a slice of rays, each compiled apart, so that its stack frame is its own.
+/// The methods of tracing a slice of rays, each compiled apart, so that its stack frame is its own.
 macro_rules! slices {
     ($($name:ident: $($trace:ident)::+),*) => {$(
         struct $name<'a, const ANY: bool, F> {
@@ -245,7 +243,7 @@ slices!(Few: one_by_one, LeafQueues: leaf_queues::trace, Packets: packet::gather
 
 #[inline(always)]
 fn one_by_one<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
-    for (number, ray) in rays.iter().enumerate() {
-        write(number, single::trace::<ANY, S>(tree, ray).unwrap_or(Hit::MISS));
+    for (index, ray) in rays.iter().enumerate() {
+        write(index, single::trace::<ANY, S>(tree, ray).unwrap_or(Hit::MISS));
     }
 }

@@ -8,7 +8,7 @@ use crate::geometry::setup::Slabs;
 use crate::geometry::setup_lanes::SetupLanes;
 use crate::simd::{Lanes, Simd};
 
-/// A ray's numbers for the node test, each in all lanes.
+/// A ray's values for the node test, each in all lanes.
 pub(super) struct NodeTest<L> {
     inverse: [L; 3],
     near_shift: [L; 3],

@@ -6,7 +6,7 @@ use core::ops::ControlFlow;
 use glam::Vec3;
 
 use super::collector::Collector;
-use crate::bvh::{BvhView, Child, MAX_STACK, RoundBlock, RoundView, TriangleBlock, WIDTH, used_lanes, with_blocks};
+use crate::bvh::{BvhView, Child, MAX_STACK, RoundBlock, RoundBvhView, TriangleBlock, WIDTH, used_lanes, with_blocks};
 use crate::geometry::closest::{self, ClosestCandidate};
 use crate::geometry::{Aabb, Hit, Ray, Triangle, intersect_round, intersect_side, intersect_triangle, overlaps};
 
@@ -83,7 +83,7 @@ pub(crate) fn walk<C: Collector>(tree: &BvhView, ray: &Ray, collector: &mut C) -
 }
 
 /// Shows `collector` the hits of `ray` with all points or curves of a tree in memory order.
-pub(crate) fn walk_round<C: Collector>(tree: &RoundView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
+pub(crate) fn walk_round<C: Collector>(tree: &RoundBvhView, ray: &Ray, collector: &mut C) -> ControlFlow<()> {
     with_blocks!(tree.blocks(), slice => {
         for block in slice {
             for (lane, prim_id) in used_lanes(block) {

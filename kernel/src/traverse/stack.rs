@@ -1,15 +1,14 @@
-//! The traversal stack: the subtrees that a ray has still to visit. Walks whose order others see use this one: children come
-//! in the order that the tree keeps for each octant of directions, not in that of their distances.
+//! The traversal stack: the subtrees that a ray has still to visit. Walks whose order others see use this one: children
+//! come in the order that the tree keeps for each octant of directions, not in that of their distances.
 
 use super::node_test::NodeTest;
-use crate::bvh::{Child, MAX_STACK, Node, WIDTH};
+use crate::bvh::{Child, MAX_STACK, Node, SLOTS_IN_ORDER, WIDTH};
 use crate::geometry::setup::Slabs;
 use crate::simd::{CompressChildren, Simd, UninitStack};
 
 const _: () = assert!(MAX_STACK + WIDTH < 256, "more than a stack with an index of eight bits holds");
 
-/// The slots themselves, in order, and the last one first.
-const IN_ORDER: u32 = 0o76543210;
+/// The slots, the last one first.
 const BACKWARDS: u32 = 0o01234567;
 
 /// A stack of subtrees, and where the ray enters their boxes.
@@ -69,7 +68,7 @@ impl TraversalStack {
     #[inline(always)]
     pub(super) fn push_nearest_last<S: Simd>(&mut self, node: &Node, near: S::F8, far: S::F8) {
         let (mut children, mut distances) = ([0; WIDTH], [0.0; WIDTH]);
-        let count = S::F8::compress(near, far, IN_ORDER, &node.children, &mut children, &mut distances);
+        let count = S::F8::compress(near, far, SLOTS_IN_ORDER, &node.children, &mut children, &mut distances);
         for end in 1..count.min(WIDTH) {
             let mut place = end;
             while place > 0 && distances[place - 1] < distances[place] {

@@ -41,12 +41,12 @@ fn what_cannot_be_hit_is_left_out_and_told() {
     let curve = |a: f32, b: f32| LinearCurve { ends: [at(Vec3::ZERO, a), at(Vec3::X, b)] };
     assert_eq!([curve(0.0, 0.1).fault(), curve(0.1, 0.0).fault()], [None; 2]);
     for bad in [curve(0.0, 0.0), curve(0.1, -0.1)] {
-        assert_eq!(bad.fault(), Some(RoundFault::Degenerate));
+        assert_eq!(bad.fault(), Some(PrimitiveFault::Degenerate));
     }
     let disc = |normal: Vec3| Disc { center: Vec3::ZERO, radius: 1.0, normal };
-    assert_eq!(disc(Vec3::ZERO).fault(), Some(RoundFault::Degenerate));
-    assert_eq!(disc(Vec3::NAN).fault(), Some(RoundFault::NotFinite));
-    assert_eq!(disc(Vec3::X * f32::MAX).fault(), Some(RoundFault::OutOfRange));
+    assert_eq!(disc(Vec3::ZERO).fault(), Some(PrimitiveFault::Degenerate));
+    assert_eq!(disc(Vec3::NAN).fault(), Some(PrimitiveFault::NotFinite));
+    assert_eq!(disc(Vec3::X * f32::MAX).fault(), Some(PrimitiveFault::OutOfRange));
     let (empty, report) = RoundBvh::build(&[disc(Vec3::ZERO)], &BuildOptions::default()).unwrap();
     assert_eq!((report.kept, empty.view().intersect(&Ray::new(Vec3::NEG_Z, Vec3::Z))), (0, None));
 }
@@ -107,9 +107,9 @@ fn a_borrowed_tree_is_checked() {
     let view = tree.view();
     let halfdome_kernel::bvh::RoundBlocks::Spheres(blocks) = view.blocks() else { panic!("other blocks") };
     let ray = Ray::new(vec3(7.0, 0.0, -3.0), Vec3::Z);
-    let borrowed = RoundView::new(view.nodes(), blocks).unwrap();
+    let borrowed = RoundBvhView::new(view.nodes(), blocks).unwrap();
     assert_eq!(borrowed.intersect(&ray).map(|hit| hit.prim_id), Some(7));
-    let error = |nodes: &[Node], blocks: &[SphereBlock]| match RoundView::new(nodes, blocks) {
+    let error = |nodes: &[Node], blocks: &[SphereBlock]| match RoundBvhView::new(nodes, blocks) {
         Err(Error::InvalidTree(error)) => Some(error),
         _ => None,
     };
@@ -126,7 +126,7 @@ fn a_borrowed_tree_is_checked() {
     assert!(error(view.nodes(), &blocks[1..]).is_some());
     assert_eq!(error(&[], blocks), Some(InvalidTree::NoRoot));
     // Trees without primitives, of any kind.
-    assert!(RoundView::new(&[Node::EMPTY], &[] as &[CubicCurveBlock]).unwrap().bounds().is_empty());
+    assert!(RoundBvhView::new(&[Node::EMPTY], &[] as &[CubicCurveBlock]).unwrap().bounds().is_empty());
 }
 
 #[test]

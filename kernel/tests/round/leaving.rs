@@ -17,11 +17,11 @@ fn away(random: &mut Random, normal: Vec3, least: f32) -> Vec3 {
     (side * (1.0 - sine * sine).max(0.0).sqrt() + normal * sine) * [1.0, 1e-3, 1e4][random.bits() as usize % 3]
 }
 
-/// Shoots rays at primitives from the distance, each at a place on its axis, until so many have hit; from there rays leave, at
-/// least so steep, and do not hit the same primitive again.
+/// Shoots rays at primitives from the distance, each at a place on its axis, until so many have hit; from there rays
+/// leave, at least so steep, and do not hit the same primitive again.
 fn leave<P: RoundPrimitive>(
     primitives: &[P],
-    tree: RoundView,
+    tree: RoundBvhView,
     target: impl Fn(&P, f32) -> Sphere,
     least: f32,
     leaving_rays: usize,

@@ -6,10 +6,11 @@ mod leaving;
 mod oracle;
 
 use glam::{DVec3, DVec4, Vec3, vec3};
+use halfdome_kernel::geometry::PrimitiveFault;
 use halfdome_kernel::geometry::intersect_round;
-use halfdome_kernel::geometry::round::{RoundFault, RoundPrimitive, TOLERANCE};
+use halfdome_kernel::geometry::round::{CUBIC_TOLERANCE, RoundPrimitive};
 use halfdome_kernel::sampling::Stream;
-use halfdome_kernel::{BuildOptions, CubicCurve, Disc, LinearCurve, Ray, RoundBvh, RoundSurface, RoundView, Sphere};
+use halfdome_kernel::{BuildOptions, CubicCurve, Disc, LinearCurve, Ray, RoundBvh, RoundBvhView, RoundSurface, Sphere};
 
 /// Random numbers of a seed, one after the other.
 struct Random {

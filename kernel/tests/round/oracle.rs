@@ -1,5 +1,5 @@
-//! The oracle: the distance of a point from the surface, found by a search along the axis, and where a ray crosses the surface,
-//! found by steps along the ray.
+//! The oracle: the distance of a point from the surface, found by a search along the axis, and where a ray crosses the
+//! surface, found by steps along the ray.
 
 use super::*;
 
@@ -57,8 +57,8 @@ fn ray_at(random: &mut Random, target: Vec3, i: usize) -> Ray {
     Ray { origin, t_min: t_min / length, direction: (target - origin) / distance * length, t_max: t_max / length }
 }
 
-/// Checks rays at a primitive, which deviates so much from the oracle's. Gives how many hit it from outside, from inside, and
-/// not at all.
+/// Checks rays at a primitive, which deviates so much from the oracle's. Gives how many hit it from outside, from
+/// inside, and not at all.
 fn check<P: RoundPrimitive>(
     primitive: &P,
     swept: &Swept,
@@ -167,7 +167,7 @@ fn cubic_curves() {
         }
         let largest = controls.iter().fold(0.0f32, |largest, control| largest.max(control.radius));
         let curve = CubicCurve { controls };
-        let counts = check(&curve, &Swept(&controls), f64::from(largest) * TOLERANCE, &mut random, 40);
+        let counts = check(&curve, &Swept(&controls), f64::from(largest) * CUBIC_TOLERANCE, &mut random, 40);
         (0..3).for_each(|kind| sum[kind] += counts[kind]);
     }
     assert!(sum[0] > 500 && sum[1] > 30 && sum[2] > 300, "{sum:?}");

@@ -123,9 +123,9 @@ impl Device {
         }
         let filter = Filter { api: &self.api, handle };
         let set = |name: &CStr, pixels: *mut c_void| {
-            // SAFETY: `pixels` are `width * height` times three floats without gaps, checked above, which live and are not
-            // moved until the filter is released at the end of this function. The filter only reads images that are not
-            // called "output".
+            // SAFETY: `pixels` are `width * height` times three floats without gaps, checked above, which live and are
+            // not moved until the filter is released at the end of this function. The filter only reads images that are
+            // not called "output".
             unsafe { (self.api.set_shared_image)(handle, name.as_ptr(), pixels, FLOAT3, width, height, 0, 0, 0) };
         };
         for image in images {
@@ -142,7 +142,8 @@ impl Device {
         }
         let mut watcher = watch;
         let monitor: Monitor = monitor;
-        // SAFETY: the filter is alive. `watcher` outlives it, as it is released first, and `monitor` takes just that type.
+        // SAFETY: the filter is alive. `watcher` outlives it, as it is released first, and `monitor` takes just that
+        // type.
         unsafe { (self.api.set_monitor)(handle, Some(monitor), ptr::from_mut(&mut watcher).cast()) };
         // SAFETY: the filter is alive, and all its images and its watcher are.
         unsafe { (self.api.commit_filter)(handle) };
@@ -163,7 +164,8 @@ impl Device {
         let message = if text.is_null() {
             format!("error {code}")
         } else {
-            // SAFETY: the library says that it is a string that ends in zero, valid until the next error of this device.
+            // SAFETY: the library says that it is a string that ends in zero, valid until the next error of this
+            // device.
             unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
         };
         match code {
@@ -177,8 +179,8 @@ impl Device {
 
 /// Hands the library's progress on.
 unsafe extern "C" fn monitor(user: *mut c_void, done: f64) -> bool {
-    // SAFETY: `user` is the `Watcher` that `Device::run` has given, alive while the filter runs, and shared between threads
-    // (it is `Sync`) without being changed.
+    // SAFETY: `user` is the `Watcher` that `Device::run` has given, alive while the filter runs, and shared between
+    // threads (it is `Sync`) without being changed.
     let watch = unsafe { &*user.cast::<Watcher>() };
     watch(done)
 }

@@ -21,8 +21,8 @@ pub const FILE: &str = if cfg!(target_os = "windows") {
     "libOpenImageDenoise.so"
 };
 
-/// Names that the system's loader looks up in its own places (`LD_LIBRARY_PATH`, `PATH` and so on). Those with the number
-/// of a version first: a bare name may be an older one.
+/// Names that the system's loader looks up in its own places (`LD_LIBRARY_PATH`, `PATH` and so on). Those with the
+/// number of a version first: a bare name may be an older one.
 #[cfg(target_os = "windows")]
 const NAMES: &[&str] = &[FILE];
 #[cfg(target_os = "macos")]
@@ -77,8 +77,8 @@ impl Library {
         let mut reason = String::new();
         let mut wrong = None;
         for path in &places {
-            // SAFETY: opening a library runs its initialisers. It is the one that the user has named, or one by the name of
-            // Open Image Denoise from folders that only the machine's administrator can write to.
+            // SAFETY: opening a library runs its initialisers. It is the one that the user has named, or one by the
+            // name of Open Image Denoise from folders that only the machine's administrator can write to.
             match unsafe { libloading::Library::new(path) } {
                 Ok(library) => match Api::of(library, path).and_then(|api| Self::checked(api, path)) {
                     Ok(library) => return Ok(library),

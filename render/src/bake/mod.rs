@@ -6,8 +6,8 @@
 //! (`dilate`) and borders of charts that cannot be seen (`seams`). A texel's value is irradiance E in W/m², on the
 //! front of its surface; a white surface there reflects the radiance E/π.
 //!
-//! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`] and ends
-//! with the same bytes.
+//! A bake depends on the scene, the options and the seed alone; one that was stopped goes on from its [`Checkpoint`]
+//! and ends with the same bytes.
 
 mod files;
 mod finish;
@@ -55,8 +55,8 @@ impl Atlas {
     /// Lays a scene's surfaces out on pages.
     ///
     /// # Errors
-    /// If pages are too small or texels too many, if there is no surface, or if the model's own coordinates are to be kept
-    /// and cannot be.
+    /// If pages are too small or texels too many, if there is no surface, or if the model's own coordinates are to be
+    /// kept and cannot be.
     pub fn new(scene: &Scene, options: &BakeOptions) -> Result<Self, Invalid> {
         Self::without(scene, &LeftOut::default(), options)
     }
@@ -137,7 +137,7 @@ pub fn bake(
     let (cache, usage) = light.cache.unzip();
     let errors = errors(world, &page_texels, &lit, cache.as_ref(), &layers[0]);
     let usage = usage.unwrap_or_default();
-    // A record's key is the number of its texel.
+    // A record's key is the index of its texel.
     let place = |record: &Record| {
         let texel = &lit[record.key as usize];
         let size = atlas.pages[texel.page as usize];

@@ -22,8 +22,8 @@ impl Surface<'_> {
         (Bounce { direction, weight: self.diffuse, density }, reflects)
     }
 
-    /// The unit vector `direction`, mirrored if it leads below the surface, as a shading normal's hemisphere may: so what a
-    /// surface receives about that normal has no gap, and is what its closure reflects.
+    /// The unit vector `direction`, mirrored if it leads below the surface, as a shading normal's hemisphere may: so
+    /// what a surface receives about that normal has no gap, and is what its closure reflects.
     #[inline(always)]
     pub(crate) fn above(&self, direction: Vec3) -> Vec3 {
         direction - 2.0 * self.normal.dot(direction).min(0.0) * self.normal

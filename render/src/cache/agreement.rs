@@ -77,10 +77,10 @@ mod tests {
     use glam::vec3;
     use halfdome_kernel::sampling::Stream;
 
-    const LEAST: f32 = 0.5;
+    const MIN_RADIUS_FACTOR: f32 = 0.5;
 
     fn relative(relative: f32) -> Tolerance {
-        Tolerance { relative, absolute: 0.0, least: LEAST }
+        Tolerance { relative, absolute: 0.0, least: MIN_RADIUS_FACTOR }
     }
 
     const WEIGHTING: Weighting = Weighting::new(Metric::SplitSphere, 0.4, 2.0);
@@ -130,7 +130,7 @@ mod tests {
         // Beyond the reach nothing is known, and no radius becomes less than half.
         let pair = |distance: f32| [0.0, distance].map(|x| record(Vec3::X * x, light(9.0 * x), 0.0, 0.0));
         assert_eq!(factors(&pair(0.61), &WEIGHTING, &relative(tolerance)), [1.0; 2]);
-        assert_eq!(factors(&pair(0.59), &WEIGHTING, &relative(0.25 * tolerance)), [LEAST; 2]);
+        assert_eq!(factors(&pair(0.59), &WEIGHTING, &relative(0.25 * tolerance)), [MIN_RADIUS_FACTOR; 2]);
     }
 
     /// It is the least over all pairs, in whatever order.
@@ -142,7 +142,7 @@ mod tests {
         for (i, record) in records.iter().enumerate() {
             let used = |other: &&Record| WEIGHTING.weight(record, &other.point()) > 0.0;
             let limits = records.iter().filter(used).map(|other| limit(record, other, &relative(0.05)));
-            let least = limits.fold(1.0, f32::min).max(LEAST);
+            let least = limits.fold(1.0, f32::min).max(MIN_RADIUS_FACTOR);
             assert_eq!(found[i], least);
             lessened += usize::from((0.55..0.95).contains(&least));
         }

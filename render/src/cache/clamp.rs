@@ -21,9 +21,9 @@ const DARKEST: f32 = 0.1;
 
 /// Bounds the radii of a new record, and the gradient that goes with them (Křivánek et al. 2008, 4.3):
 ///
-/// - by the gradient: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give nothing or less than nothing.
-///   It is multiplied by one half, as records are used twice as far as they are placed; by the bounded metric by the error,
-///   as it has the other radius;
+/// - by the gradient: `R <= E/|∇_t|` for each channel, beyond which extrapolation would give nothing or less than
+///   nothing. It is multiplied by one half, as records are used twice as far as they are placed; by the bounded metric
+///   by the error, as it has the other radius;
 /// - with the Hessian by half the mean distance of what is seen: a gradient's noise is that of the irradiance over this
 ///   distance, about, and grows with the way;
 /// - by `bounds`; where that makes a radius longer, the gradient becomes as much weaker.
@@ -53,9 +53,9 @@ fn gradient_radius(record: &Record) -> f32 {
     radii.into_iter().fold(f32::INFINITY, f32::min)
 }
 
-/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope` times
-/// the distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1, by
-/// which each record's radii are to be multiplied.
+/// Neighbour clamping (Křivánek et al. 2006): no record may reach farther than a neighbour does by more than `slope`
+/// times the distance to it, as what the neighbour sees is at most that much farther away. Gives the factor, at most 1,
+/// by which each record's radii are to be multiplied.
 ///
 /// Over the original radii one pass in any order reaches the fixed point: a chain of neighbours is longer than the way
 /// itself. The records lie along a curve.

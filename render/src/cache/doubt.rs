@@ -22,7 +22,8 @@ const DEVIATIONS: f32 = 3.0;
 const TOLERANCE: f32 = 0.1;
 
 impl Cache {
-    /// The keys of the records that are doubtful, in the order of the records. `again` are those that were gathered again.
+    /// The keys of the records that are doubtful, in the order of the records. `again` are those that were gathered
+    /// again.
     pub(crate) fn doubtful(&self, again: &HashSet<u64>) -> Vec<u64> {
         let brightness = |record: &Record| record.irradiance.max_element();
         let sum: f64 = self.records.iter().map(|record| f64::from(brightness(record))).sum();

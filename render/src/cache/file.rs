@@ -1,10 +1,10 @@
 //! Caches on disk.
 //!
-//! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash of
-//! the scene, the options, the number of records, the records by their keys (the key and [`Record::WORDS`] words each,
-//! with the radii as they were made) and the FNV-1a hash of all that. A file that is cut off, changed or of another kind is
-//! refused; so is one of another scene or other options, and the message says which. Files are replaced in one step, as
-//! pictures are.
+//! All numbers are little-endian. A file is the magic bytes, a version, a mark that tells the order of bytes, the hash
+//! of the scene, the options, the number of records, the records by their keys (the key and [`Record::WORDS`] words
+//! each, with the radii as they were made) and the FNV-1a hash of all that. A file that is cut off, changed or of
+//! another kind is refused; so is one of another scene or other options, and the message says which. Files are replaced
+//! in one step, as pictures are.
 
 use std::fs;
 use std::path::Path;
@@ -107,8 +107,8 @@ impl Cache {
         }
     }
 
-    /// The name of the first option that is not the same, and its values in this cache and in `options`. Where these ask
-    /// for an accuracy, what follows from it is the cache's own.
+    /// The name of the first option that is not the same, and its values in this cache and in `options`. Where these
+    /// ask for an accuracy, what follows from it is the cache's own.
     fn differing(&self, options: &CachedOptions) -> Option<(&'static str, String, String)> {
         let mut pairs = named(&self.options).into_iter().zip(named(options));
         let is_free = |name: &str| options.accuracy.is_some() && ["cache-error", "record-rays"].contains(&name);

@@ -33,7 +33,7 @@ pub(crate) struct Pass {
 }
 
 /// A round's records cover at least so many places each, or the next round's may be nearer to each other.
-const LEAST_COVERED: usize = 2;
+const MIN_COVERED: usize = 2;
 
 impl Cache {
     /// Adds records until each of `places` is covered. `gather` makes the records of places by their indices, in that
@@ -62,7 +62,7 @@ impl Cache {
                 if picks.is_empty() {
                     break;
                 }
-                expected = open.len().saturating_sub(LEAST_COVERED * picks.len());
+                expected = open.len().saturating_sub(MIN_COVERED * picks.len());
                 picks.iter().for_each(|&i| picked[i] = true);
                 self.commit(gather(&picks, count - open.len())?);
                 if !last {

@@ -16,18 +16,20 @@ mod agreement;
 mod clamp;
 mod cones;
 mod doubt;
+mod estimate;
 mod file;
 mod fill;
+mod interpolate;
 mod merge;
 mod morton;
 mod octree;
 mod record;
 mod regression;
+#[cfg(test)]
+mod tests;
 mod weight;
 
 use std::f32::consts::SQRT_2;
-
-use glam::Vec3;
 
 use crate::settings::{CachedOptions, Gradients, Metric};
 use agreement::Tolerance;
@@ -36,7 +38,11 @@ use regression::{Neighbourhood, Polynomial, polynomials};
 use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
+pub use estimate::ErrorEstimate;
+pub(crate) use estimate::missed_accuracy;
 pub(crate) use fill::{Pass, Place};
+pub use interpolate::Interpolated;
+pub(crate) use interpolate::Reading;
 pub(crate) use morton::sort_by_morton_code;
 
 pub use file::CacheFileError;
@@ -63,64 +69,15 @@ pub struct Cache {
     tree: Octree,
 }
 
-/// The estimated error of a cache that was filled to an accuracy, by independent gathers at some of its points.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct ErrorEstimate {
-    /// The mean irradiance of the points that it was filled for, direct light included, in W/m², over all channels.
-    pub light: f32,
-    /// The root mean square error of its irradiance, relative to that.
-    pub root_mean_square: f32,
-}
-
-impl ErrorEstimate {
-    /// The root mean square error, relative to the mean, of this and of sampled light with a mean variance, in W²/m⁴.
-    pub(crate) fn with(&self, variance: f64) -> f32 {
-        let relative = if self.light > 0.0 { variance / f64::from(self.light).powi(2) } else { 0.0 };
-        (f64::from(self.root_mean_square).powi(2) + relative).sqrt() as f32
-    }
-}
-
-/// The warning where the estimate exceeds the requested error; both are relative to the mean. An error that rounds to
-/// the same number counts as reached.
-pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
-    let hundredths = |part: f32| (1e4 * part).round();
-    (hundredths(estimated) > hundredths(asked)).then(|| {
-        format!(
-            "the requested accuracy is not reached: the estimated error is {:.2}% of the mean light, and {}% was \
-             requested; --cache-error and --record-rays in place of --accuracy give more and smaller records",
-            100.0 * estimated,
-            hundredths(asked) / 100.0
-        )
-    })
-}
-
 /// The allowed disagreement of records, relative to irradiance, over the requested error.
 const TOLERANCE: f32 = 0.2;
 /// The least factor on a radius by disagreement, as an edge of light is no closer for a smaller radius; ...
-const LEAST: f32 = 0.5;
+const MIN_RADIUS_FACTOR: f32 = 0.5;
 /// ... and where an accuracy is asked for.
-const ACCURATE_LEAST: f32 = 0.25;
+const ACCURATE_MIN_RADIUS_FACTOR: f32 = 0.25;
 /// The allowed disagreement of records with an accuracy, relative to the root mean square error: a record has the least
 /// weight where it disagrees most.
 const ACCURATE_TOLERANCE: f32 = 1.5;
-
-/// The reconstruction at a point from the surrounding records.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Reading {
-    /// Each by what its own gather says, as published.
-    Alone(Gradients),
-    /// Each by what its neighbours say as well, in a cache that has both gradients.
-    Together,
-}
-
-/// Irradiance from the records around a point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interpolated {
-    /// In W/m², linear sRGB; never negative.
-    pub irradiance: Vec3,
-    /// Records whose extrapolation had a negative channel, which counted as 0.
-    pub negative: u32,
-}
 
 impl Cache {
     /// A cache without records for a scene with this [hash](crate::world::World::surroundings_hash).
@@ -205,9 +162,9 @@ impl Cache {
             (Some(accuracy), Some(estimate)) => Tolerance {
                 relative: 0.0,
                 absolute: ACCURATE_TOLERANCE * accuracy * estimate.light,
-                least: ACCURATE_LEAST,
+                least: ACCURATE_MIN_RADIUS_FACTOR,
             },
-            _ => Tolerance { relative: TOLERANCE * self.options.error, absolute: 0.0, least: LEAST },
+            _ => Tolerance { relative: TOLERANCE * self.options.error, absolute: 0.0, least: MIN_RADIUS_FACTOR },
         }
     }
 
@@ -252,91 +209,6 @@ impl Cache {
             Metric::Hessian => Neighbourhood { weighting: self.weighting(2.0), gradient_weight: 0.03 },
         }
     }
-
-    /// Whether a point needs no record of its own.
-    pub(crate) fn covers(&self, point: &LookupPoint) -> bool {
-        let weighting = self.weighting(1.0);
-        let mut covered = false;
-        self.tree.query(point.position, |i| {
-            covered = covered || weighting.weight(&self.records[i], point) > 0.0;
-        });
-        covered
-    }
-
-    /// Calls `mix` with the index and the weight of each record that is valid at a point, in the order in which
-    /// [`interpolate`](Self::interpolate) takes them.
-    pub(crate) fn weigh(&self, point: &LookupPoint, mut mix: impl FnMut(usize, f32)) {
-        let weighting = self.weighting(self.stretch());
-        self.tree.query(point.position, |i| {
-            let weight = weighting.weight(&self.records[i], point);
-            if weight > 0.0 {
-                mix(i, weight);
-            }
-        });
-    }
-
-    /// The irradiance at a point with a unit normal; `None` where no record is valid.
-    pub fn interpolate(&self, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        self.interpolate_by(self.reading(), position, normal)
-    }
-
-    /// The same, read in a way that may not be that of the options.
-    pub(crate) fn interpolate_by(&self, reading: Reading, position: Vec3, normal: Vec3) -> Option<Interpolated> {
-        let point = LookupPoint { position, normal, clearance: None };
-        self.mix(reading, &self.weighting(self.stretch()), &point, normal)
-    }
-
-    /// The irradiance at a point for the unit normal that a map tilts its own to.
-    pub(crate) fn interpolate_tilted(&self, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
-        self.mix(self.reading(), &self.weighting(self.stretch()), point, tilted)
-    }
-
-    /// The same, where surfaces turn so much that no record is valid by the published angles, from those up to 45° away.
-    pub(crate) fn interpolate_wide(&self, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
-        let strict = self.interpolate_tilted(point, tilted);
-        strict.or_else(|| self.mix(self.reading(), &self.weighting(self.stretch()).wide(), point, tilted))
-    }
-
-    /// The reconstruction by the options.
-    fn reading(&self) -> Reading {
-        match self.options.gradients {
-            Gradients::Both => Reading::Together,
-            gradients => Reading::Alone(gradients),
-        }
-    }
-
-    /// The irradiance of records at a point, for a tilted normal.
-    #[inline]
-    fn mix(&self, reading: Reading, weighting: &Weighting, point: &LookupPoint, tilted: Vec3) -> Option<Interpolated> {
-        let LookupPoint { position, normal, .. } = *point;
-        let gradients = match reading {
-            Reading::Alone(gradients) => gradients,
-            Reading::Together => Gradients::Both,
-        };
-        let rotation = gradients != Gradients::Off;
-        let translation = gradients == Gradients::Both;
-        let (mut sum, mut weights, mut negative) = (Vec3::ZERO, 0.0, 0);
-        self.tree.query(position, |i| {
-            let record = &self.records[i];
-            let weight = weighting.weight(record, point);
-            if weight > 0.0 {
-                let irradiance = match self.polynomials.get(i) {
-                    Some(polynomial) if reading == Reading::Together => {
-                        polynomial.extrapolate(record, position, normal)
-                    }
-                    _ => record.extrapolate(position, normal, rotation, translation),
-                };
-                let irradiance = match tilted == normal {
-                    true => irradiance,
-                    false => record.tilt(irradiance, normal, tilted, rotation),
-                };
-                negative += u32::from(irradiance.min_element() < 0.0);
-                sum += weight * irradiance.max(Vec3::ZERO);
-                weights += weight;
-            }
-        });
-        (weights > 0.0).then(|| Interpolated { irradiance: sum / weights, negative })
-    }
 }
 
 /// Multiplies the radii of each record by its factor.
@@ -345,6 +217,3 @@ fn shorten(records: &mut [Record], factors: &[f32]) {
         record.radii = record.radii.map(|radius| radius * factor);
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,5 +1,5 @@
-//! The order in which records lie in memory: along Morton's space-filling curve (1966), so that a lookup finds all records
-//! of a neighbourhood within a few pages.
+//! The order in which records lie in memory: along Morton's space-filling curve (1966), so that a lookup finds all
+//! records of a neighbourhood within a few pages.
 
 use glam::Vec3;
 

@@ -67,7 +67,7 @@ impl Octree {
         tree
     }
 
-    /// Builds the cell about `center` and all below it; gives its number.
+    /// Builds the cell about `center` and all below it; gives its index.
     fn build(&mut self, entries: Vec<Entry>, center: Vec3, half: f32, depth: u32) -> u32 {
         let number = self.nodes.len() as u32;
         // What is not at the root ends inside of its cube.
@@ -95,7 +95,7 @@ impl Octree {
         number
     }
 
-    /// Calls `visit` with the number of each sphere that `point` is inside of, in an order that depends on the spheres
+    /// Calls `visit` with the index of each sphere that `point` is inside of, in an order that depends on the spheres
     /// alone.
     #[inline]
     pub(crate) fn query(&self, point: Vec3, mut visit: impl FnMut(usize)) {

@@ -44,7 +44,7 @@ pub(super) struct Neighbourhood {
 }
 
 /// The least of a gradient's weights' roots, so that the equations always have a solution.
-const LEAST_CERTAINTY: f32 = 1e-3;
+const MIN_CERTAINTY: f32 = 1e-3;
 /// The penalty on second derivatives, in units of the record's own weight: it decides where there are too few
 /// neighbours.
 const CURVATURE_COST: f64 = 0.01;
@@ -116,7 +116,7 @@ impl Sums {
         let irradiance = other.irradiance + along(other.rotational, turn);
         self.range = [self.range[0].min(irradiance), self.range[1].max(irradiance)];
         self.add_row([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y], irradiance, weight);
-        let certainty = (gradient_weight * other.mean_distance / unit).max(LEAST_CERTAINTY);
+        let certainty = (gradient_weight * other.mean_distance / unit).max(MIN_CERTAINTY);
         let weight = weight * certainty * certainty;
         self.add_row([0.0, 1.0, 0.0, x, y, 0.0], along(other.translational, record.axis) * unit, weight);
         self.add_row([0.0, 0.0, 1.0, 0.0, x, y], along(other.translational, across) * unit, weight);

@@ -2,8 +2,8 @@
 //!
 //! With `t` the distance in units of the record's radius, `a` the error, and `c = n·n_i`:
 //!
-//! - split-sphere (Ward, Rubinstein and Clear 1988): `1/e - 1` with `e = t + sqrt(1 - c)/a`. The shift by 1 takes away the
-//!   jump at the end, a cap the pole at the record.
+//! - split-sphere (Ward, Rubinstein and Clear 1988): `1/e - 1` with `e = t + sqrt(1 - c)/a`. The shift by 1 takes away
+//!   the jump at the end, a cap the pole at the record.
 //! - bounded (Tabellion and Lamorlette 2004): the tent `1 - max(t, sqrt(1 - c)/sqrt(1 - cos 10°))`.
 //! - Hessian (Schwarzhaupt, Wann Jensen and Jarosz 2012): `(1 - t)(c - cos 10°)/(1 - cos 10°)`.
 //!
@@ -115,7 +115,8 @@ fn sees(record: &Record, step: Vec3) -> bool {
     distance_squared <= occluder * occluder
 }
 
-/// Whether a record and a point with this clearance a `step` away are both in a gap, or both outside, or near each other.
+/// Whether a record and a point with this clearance a `step` away are both in a gap, or both outside, or near each
+/// other.
 #[inline]
 fn shares_gap(record: &Record, step: Vec3, clearance: f32) -> bool {
     let [less, more] = [record.clearance.min(clearance), record.clearance.max(clearance)];

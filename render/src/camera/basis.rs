@@ -26,10 +26,10 @@ impl Basis {
         self.right * right + self.up * up + self.forward * forward
     }
 
-    /// The parts to the right, up and forward of the way from the eye to a point.
+    /// The parts to the right, up and forward of the vector from the eye to a point.
     pub(super) fn to_view(self, point: Vec3) -> [f64; 3] {
-        let way = point.as_dvec3() - self.eye.as_dvec3();
-        [self.right, self.up, self.forward].map(|axis| axis.dot(way))
+        let vector = point.as_dvec3() - self.eye.as_dvec3();
+        [self.right, self.up, self.forward].map(|axis| axis.dot(vector))
     }
 
     /// Rows of the matrix that takes world points, as column vectors, to camera space: right, up, backwards.

@@ -1,7 +1,7 @@
 //! The six faces of a cube side by side, in the order and the orientation of the cube maps' [`Face`].
 //!
-//! The cube's +x is the camera's right, +y its up, +z its view. So a camera that looks along -z with +y up has the faces of a
-//! cube map with Bevy's axes.
+//! The cube's +x is the camera's right, +y its up, +z its view. So a camera that looks along -z with +y up has the
+//! faces of a cube map with Bevy's axes.
 
 use glam::DVec3;
 
@@ -20,7 +20,7 @@ impl Cube {
         Self { width: f64::from(width) / Face::ALL.len() as f64, height: height.into() }
     }
 
-    /// The number of the face that a pixel belongs to. Filters reach beyond a face's border, but not into the next face.
+    /// The index of the face that a pixel belongs to. Filters reach beyond a face's border, but not into the next face.
     fn face(&self, film: &FilmPoint) -> usize {
         ((f64::from(film.pixel.0) + 0.5) / self.width) as usize
     }

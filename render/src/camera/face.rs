@@ -1,8 +1,8 @@
 //! The six faces of a cube, as KTX2, Vulkan and Direct3D order and turn them.
 //!
-//! A face is a square at distance 1 from the origin. Its coordinates run from -1 to 1, `u` to the right and `v` down as the
-//! face is stored. Looked at from the origin with +y up, the faces are pictures that are not mirrored, if +z is in front and
-//! +x on the right: the space is left-handed.
+//! A face is a square at distance 1 from the origin. Its coordinates run from -1 to 1, `u` to the right and `v` down as
+//! the face is stored. Looked at from the origin with +y up, the faces are pictures that are not mirrored, if +z is in
+//! front and +x on the right: the space is left-handed.
 //!
 //! Source: "Vulkan Specification", version 1.3, section 16.5.4 (cube map face selection).
 
@@ -42,7 +42,8 @@ impl Face {
         }
     }
 
-    /// The point of the face at these coordinates, in the cube's space. Points that two faces share are equal bit for bit.
+    /// The point of the face at these coordinates, in the cube's space. Points that two faces share are equal bit for
+    /// bit.
     pub(crate) fn point(self, u: f64, v: f64) -> DVec3 {
         let [middle, right, down] = self.axes();
         // Adding 0 makes -0 positive.
@@ -80,7 +81,8 @@ mod tests {
         assert_eq!(Face::PositiveX.coordinates(DVec3::NEG_X), None);
     }
 
-    /// The table of the specification: s grows along rx = -z for the face +x, and so on; t always along -y but at the poles.
+    /// The table of the specification: s grows along rx = -z for the face +x, and so on; t always along -y but at the
+    /// poles.
     #[test]
     fn faces_are_turned_as_the_specification_says() {
         let corner = |face: Face| face.point(1.0, 1.0).to_array();

@@ -44,11 +44,11 @@ enum Kind {
     Table(Table),
 }
 
-/// A point of the film, and the pixel whose sample it is: filters reach beyond their pixel, and may not come to another face
-/// of a cube.
+/// A point of the film, and the pixel whose sample it is: filters reach beyond their pixel, and may not come to another
+/// face of a cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FilmPoint {
-    /// Numbers from the left and from the top.
+    /// Column from the left, row from the top.
     pub pixel: (u32, u32),
     /// In pixels from the top left corner.
     pub point: Vec2,
@@ -185,8 +185,8 @@ impl Camera {
         if let Kind::Panorama(panorama) = &self.kind { panorama.views() } else { 1 }
     }
 
-    /// How a point in space is seen in one of the views, through the lens's middle; `None` if the film cannot see it, as
-    /// behind the camera. Where a table has the rays it is never known.
+    /// How a point in space is seen in one of the views, through the lens's middle; `None` if the film cannot see it,
+    /// as behind the camera. Where a table has the rays it is never known.
     pub(crate) fn sight(&self, point: Vec3, view: u32) -> Option<Sight> {
         let of_view = self.basis.to_view(point);
         let (from, film) = match &self.kind {
@@ -203,8 +203,8 @@ impl Camera {
         is_seen.then(|| Sight { film, ray: Ray { t_min: self.clip.near / distance, ..ray } })
     }
 
-    /// Whether what lies between two points of the film lies between them in space, too: not across a panorama's border, or
-    /// the edges of a cube.
+    /// Whether what lies between two points of the film lies between them in space, too: not across a panorama's
+    /// border, or the edges of a cube.
     pub(crate) fn joins(&self, a: Vec2, b: Vec2) -> bool {
         match &self.kind {
             Kind::Panorama(panorama) => panorama.joins(a.to_array(), b.to_array()),
@@ -213,7 +213,8 @@ impl Camera {
         }
     }
 
-    /// The width of what a pixel sees at this distance along its ray, about: the root of the area on a surface that faces it.
+    /// The width of what a pixel sees at this distance along its ray, about: the root of the area on a surface that
+    /// faces it.
     pub(crate) fn pixel_width(&self, film: &FilmPoint, distance: f32) -> f32 {
         distance
             * match &self.kind {
@@ -225,8 +226,8 @@ impl Camera {
             }
     }
 
-    /// Rows of the matrix that takes world points, as column vectors, to camera space: right, up, backwards; `None` where a
-    /// table has the rays.
+    /// Rows of the matrix that takes world points, as column vectors, to camera space: right, up, backwards; `None`
+    /// where a table has the rays.
     pub(crate) fn world_to_camera(&self) -> Option<[[f32; 4]; 4]> {
         (!matches!(self.kind, Kind::Table(_))).then(|| self.basis.world_to_camera())
     }

@@ -1,8 +1,8 @@
 //! A camera that moves while the shutter is open.
 //!
-//! A ray lies between those that the camera sends through the same point of the film, and of the lens, at the two keys of its
-//! time: origins, directions and clipping planes are interpolated, and directions are made unit vectors again. So eyes move in
-//! straight lines, and views turn as quickly as chords do.
+//! A ray lies between those that the camera sends through the same point of the film, and of the lens, at the two keys
+//! of its time: origins, directions and clipping planes are interpolated, and directions are made unit vectors again.
+//! So eyes move in straight lines, and views turn as quickly as chords do.
 
 use glam::Vec3;
 use halfdome_kernel::geometry::Moment;

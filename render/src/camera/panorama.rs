@@ -3,8 +3,8 @@
 //! The azimuth runs from -180° at the left border over the view in the middle to 180°, to the right; the elevation from
 //! 90° at the top to -90°. So a camera that looks along -z with +y up writes a valid sky picture.
 //!
-//! For two eyes (omni-directional stereo) rays start on a circle about the eye, of which they are tangents: wherever the
-//! viewer looks horizontally, the eyes are beside each other. The left eye's picture is above the right one's.
+//! For two eyes (omni-directional stereo) rays start on a circle about the eye, of which they are tangents: wherever
+//! the viewer looks horizontally, the eyes are beside each other. The left eye's picture is above the right one's.
 
 use std::f64::consts::{PI, TAU};
 
@@ -34,7 +34,8 @@ impl Panorama {
         if self.half_distance.is_some() { 2 } else { 1 }
     }
 
-    /// Which eye a pixel belongs to, the left one being 0. Filters reach beyond a picture's border, but not into the other.
+    /// Which eye a pixel belongs to, the left one being 0. Filters reach beyond a picture's border, but not into the
+    /// other.
     fn view(&self, film: &FilmPoint) -> u32 {
         u32::from(self.half_distance.is_some() && f64::from(film.pixel.1) + 0.5 >= self.height)
     }

@@ -1,13 +1,14 @@
 //! Perspective and orthographic cameras: a plane before the eye, and a lens.
 //!
-//! A point `(x, y)` of the film, in pixels from its top left corner, stands for the point
-//! `right * (2 x / width - 1) tan(v/2) width / height + up * (1 - 2 y / height) tan(v/2)` of the plane at distance one, with `v`
-//! the vertical field of view; an orthographic camera has half its height in place of `tan(v/2)`. A shift moves the plane.
+//! A point `(x, y)` of the film, in pixels from its top left corner, stands for the point `right * (2 x / width - 1)
+//! tan(v/2) width / height + up * (1 - 2 y / height) tan(v/2)` of the plane at distance one, with `v` the vertical
+//! field of view; an orthographic camera has half its height in place of `tan(v/2)`. A shift moves the plane.
 //!
 //! A thin lens sends all rays of a point of the film to where the ray through the lens's middle meets the plane that is
-//! sharp. The field of view does not change with the focus: the distance from lens to film counts as the focal length `f`,
-//! so that a point at depth `z` becomes a disc of the diameter `c = A f / s · |z - s| / z` on the film, with the aperture `A` and
-//! the sharp plane at `s`. (Real lenses that focus by moving have `f / (s - f)`: the picture grows as the focus comes near.)
+//! sharp. The field of view does not change with the focus: the distance from lens to film counts as the focal length
+//! `f`, so that a point at depth `z` becomes a disc of the diameter `c = A f / s · |z - s| / z` on the film, with the
+//! aperture `A` and the sharp plane at `s`. (Real lenses that focus by moving have `f / (s - f)`: the picture grows as
+//! the focus comes near.)
 //!
 //! Source: Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th edition, 5.2.3.
 
@@ -43,8 +44,8 @@ pub(super) struct LensPlane {
 }
 
 impl Plane {
-    /// The plane whose visible half height, at distance one if rays are not parallel, is `half_height`. `shift` is in parts of
-    /// the film's longer side.
+    /// The plane whose visible half height, at distance one if rays are not parallel, is `half_height`. `shift` is in
+    /// parts of the film's longer side.
     pub(super) fn new(
         basis: &Basis,
         half_height: f64,
@@ -99,12 +100,12 @@ impl Plane {
         let Some(LensPlane { aperture, focus, right, up }) = &self.lens else { return self.central_ray(film) };
         let Vec2 { x, y } = aperture.point(u);
         let (place, offset) = (self.place(film.x, film.y), *right * x + *up * y);
-        let (origin, way) = if self.is_parallel {
+        let (origin, vector) = if self.is_parallel {
             (self.eye + place + offset, self.forward.as_vec3() * *focus - offset)
         } else {
             (self.eye + offset, place * *focus - offset)
         };
-        self.clipped(origin, way.normalize(), way.length() / focus)
+        self.clipped(origin, vector.normalize(), vector.length() / focus)
     }
 
     /// The ray with the planes' distances along it, `stretch` times those along the view.
@@ -114,11 +115,11 @@ impl Plane {
 
     /// The projection of a point through the lens's middle.
     pub(super) fn sight(&self, point: Vec3) -> Option<Sight> {
-        let way = point.as_dvec3() - self.eye.as_dvec3();
-        let depth = way.dot(self.forward);
+        let vector = point.as_dvec3() - self.eye.as_dvec3();
+        let depth = vector.dot(self.forward);
         let is_seen = depth > 0.0 && depth >= f64::from(self.clip.near) && depth <= f64::from(self.clip.far);
         // Steps are along right and down; the corner is at distance one.
-        let across = if self.is_parallel { way - self.forward * depth } else { way / depth };
+        let across = if self.is_parallel { vector - self.forward * depth } else { vector / depth };
         let in_plane = is_seen.then(|| across.as_vec3() - self.corner)?;
         let film = Vec2::from_array(self.step.map(|step| in_plane.dot(step) / step.length_squared()));
         let from = if self.is_parallel { self.eye + across.as_vec3() } else { self.eye };

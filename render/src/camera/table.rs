@@ -8,7 +8,7 @@ use super::FilmPoint;
 use crate::scene::RayTable;
 
 /// The least angle that a pixel counts for where neighbours have the same ray.
-const LEAST_ANGLE: f32 = 1e-4;
+const MIN_ANGLE: f32 = 1e-4;
 
 /// The rays, for a film of their size, or of another, which takes some of them.
 #[derive(Clone, Debug)]
@@ -54,6 +54,6 @@ impl Table {
             (Some(right), Some(below)) => (right * below).sqrt(),
             (one, other) => one.or(other).unwrap_or(0.0),
         };
-        width.max(LEAST_ANGLE * distance)
+        width.max(MIN_ANGLE * distance)
     }
 }

@@ -145,7 +145,8 @@ fn a_pixels_width_is_the_root_of_its_solid_angle() {
     assert_eq!([1.0, 9.0].map(|far| orthographic.pixel_width(&FilmPoint::middle(3, 4), far)), [0.25; 2]);
 }
 
-/// A shifted picture is part of a larger one: 100x50 of 300x150, whose field of view is three times as high in the plane.
+/// A shifted picture is part of a larger one: 100x50 of 300x150, whose field of view is three times as high in the
+/// plane.
 #[test]
 fn a_shifted_picture_is_a_crop_of_a_larger_one() {
     for projection in [Projection::Perspective, Projection::Orthographic { height: 4.0 }] {

@@ -5,11 +5,11 @@ use std::time::Instant;
 use super::error::{CliError, invalid};
 use super::messages::{Style, print_text};
 use super::progress::Progress;
-use crate::denoise::{DenoiseError, LEAST_SAMPLES, Method};
+use crate::denoise::{DenoiseError, MIN_SAMPLES, Method};
 use crate::film::Picture;
 use crate::settings::{Integrator, Settings};
 
-/// A way to denoise, by name.
+/// A denoiser, by name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Denoiser {
     /// Open Image Denoise.
@@ -41,9 +41,9 @@ impl Denoiser {
         if matches!(settings.integrator, Integrator::Heat(_)) {
             return Err(invalid("the integrator heat counts, and counts are not denoised", "leave --denoise out"));
         }
-        if self == Self::Nlm && settings.spp < LEAST_SAMPLES {
+        if self == Self::Nlm && settings.spp < MIN_SAMPLES {
             let problem = format!("--denoise nlm compares two halves of the samples, and --spp is {}", settings.spp);
-            return Err(invalid(problem, format!("give --spp {LEAST_SAMPLES} or more, better 8 or 16")));
+            return Err(invalid(problem, format!("give --spp {MIN_SAMPLES} or more, better 8 or 16")));
         }
         self.method()
     }

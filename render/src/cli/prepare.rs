@@ -28,8 +28,8 @@ pub(super) struct Prepared {
 /// The built-in scene's name in place of a path.
 pub(super) const CORNELL: &str = "cornell";
 
-/// The scene called `name` with the options of its file, if it has one, below those of `arguments`. No file that it is read
-/// from may be one of `outputs`.
+/// The scene called `name` with the options of its file, if it has one, below those of `arguments`. No file that it is
+/// read from may be one of `outputs`.
 pub(super) fn prepare<P: AsRef<Path>>(
     name: &Path,
     arguments: Overrides,
@@ -79,8 +79,8 @@ pub(super) fn thread_pool(arguments: &CommonArguments) -> Result<rayon::ThreadPo
     pool.map_err(|error| CliError::System(format!("cannot start threads: {error}")))
 }
 
-/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets. `overrides` say which
-/// moment is shown and what is shared, where they do.
+/// The scene called `name`: the built-in one, a model, or a scene file with the options that it sets. `overrides` say
+/// which moment is shown and what is shared, where they do.
 pub(super) fn open(name: &Path, overrides: &Overrides, style: Style) -> Result<(Scene, Overrides), SceneError> {
     if name == Path::new(CORNELL) {
         return Ok((scene::cornell_box(), Overrides::default()));

@@ -152,8 +152,8 @@ fn mean_radiance(world: &World, position: Vec3, seed: u64) -> f64 {
 }
 
 impl Viewer {
-    /// The mean of the paths of these numbers from a point, towards random points of what `aim` maps the unit square to, and
-    /// the number of rays.
+    /// The mean of the paths of these indices from a point, towards random points of what `aim` maps the unit square
+    /// to, and the number of rays.
     fn look(
         &mut self,
         world: &World,

@@ -1,12 +1,12 @@
-//! Filters a cube map by a lobe: the mean of all texels' radiance, each weighted by the lobe in its direction and by its
-//! exact solid angle,
+//! Filters a cube map by a lobe: the mean of all texels' radiance, each weighted by the lobe in its direction and by
+//! its exact solid angle,
 //!
 //! `L̄(r) = Σ L_i w(θ_i) Ω_i / Σ w(θ_i) Ω_i`,
 //!
-//! without random numbers and so without noise. As Barnes and Hut (1986) do for distant stars, texels far from the lobe's
-//! axis are taken together in squares of 2, 4, 8 … across, as long as the weight changes little over a square. Where the
-//! lobe is narrower than a texel, the texel is divided instead. So a lobe costs a number of squares that grows with the
-//! logarithm of its narrowness alone, and light from a small sun is never missed.
+//! without random numbers and so without noise. As Barnes and Hut (1986) do for distant stars, texels far from the
+//! lobe's axis are taken together in squares of 2, 4, 8 … across, as long as the weight changes little over a square.
+//! Where the lobe is narrower than a texel, the texel is divided instead. So a lobe costs a number of squares that
+//! grows with the logarithm of its narrowness alone, and light from a small sun is never missed.
 
 use glam::{DVec3, Vec3};
 
@@ -14,8 +14,8 @@ use super::face::Face;
 use super::grid::{TexelGrid, solid_angle};
 use super::lobe::Lobe;
 
-/// How large a square may be, as a part of the lobe's width or of its own distance from the axis, whichever is more. The
-/// error goes with the square of this; the tests hold it to a quarter of a percent.
+/// How large a square may be, as a part of the lobe's width or of its own distance from the axis, whichever is more.
+/// The error goes with the square of this; the tests hold it to a quarter of a percent.
 const FINENESS: f64 = 0.2;
 /// How large it may be at most, radians: light too changes over a square, and with the weight.
 const MAX_EXTENT: f64 = 0.12;
@@ -212,8 +212,8 @@ mod tests {
         }
     }
 
-    /// Light that depends on the angle to the lobe's own axis alone leaves an integral of one variable, `∫ L w sin θ dθ`, which
-    /// Simpson's rule finds.
+    /// Light that depends on the angle to the lobe's own axis alone leaves an integral of one variable,
+    /// `∫ L w sin θ dθ`, which Simpson's rule finds.
     #[test]
     fn light_about_the_axis_has_the_integral_of_one_variable() {
         let light = |cosine: f64| 1.0 + cosine + 3.0 * cosine.max(0.0).powi(3);

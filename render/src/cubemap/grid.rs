@@ -1,18 +1,18 @@
 //! Positions of a face's texels and of lookups: the three treatments of seams of Castaño's "Seamless Cube Map
 //! Filtering" (The Witness blog, 2012).
 //!
-//! Hardware that filters within one face alone never looks half a texel beyond its outermost texels' centres, and so sees a
-//! seam. With `s = 2t/n - 1`, `t` being a coordinate in texels of a face of `n`:
+//! Hardware that filters within one face alone never looks half a texel beyond its outermost texels' centres, and so
+//! sees a seam. With `s = 2t/n - 1`, `t` being a coordinate in texels of a face of `n`:
 //!
 //! - `none`: texels are where lookups expect them, at `s`.
-//! - `stretch`: the outermost texels lie on the edge, where the neighbour has the same ones: `s n/(n - 1)`, all of the face
-//!   being a little too small. (His `map_2`.)
+//! - `stretch`: the outermost texels lie on the edge, where the neighbour has the same ones: `s n/(n - 1)`, all of the
+//!   face being a little too small. (His `map_2`.)
 //! - `warp`: likewise, but the middle stays in place: `a s³ + s` with `a = n²/(n - 1)³`.
 //! - `lookup`: texels are as for `stretch`, and the lookup shrinks its coordinates by `(n - 1)/n`, so that all texels
 //!   are at their exact positions.
 //!
-//! Texels that faces share are made equal bit for bit. A face of one texel has no edge but its neighbours': there, all six
-//! are the same with any treatment.
+//! Texels that faces share are made equal bit for bit. A face of one texel has no edge but its neighbours': there, all
+//! six are the same with any treatment.
 
 use std::collections::BTreeMap;
 
@@ -78,7 +78,7 @@ impl TexelGrid {
         6 * (self.size as usize).pow(2)
     }
 
-    /// Face, column and row of all texels, in the order of their numbers: by faces, then by rows.
+    /// Face, column and row of all texels, in the order of their indices: by faces, then by rows.
     pub(super) fn places(&self) -> impl Iterator<Item = (Face, u32, u32)> + use<> {
         let size = self.size;
         Face::ALL.into_iter().flat_map(move |face| (0..size).flat_map(move |y| (0..size).map(move |x| (face, x, y))))
@@ -105,9 +105,11 @@ impl TexelGrid {
     }
 }
 
-/// The solid angle of a rectangle on a face, as seen from the middle of the cube: from `u[0]` to `u[1]` and `v[0]` to `v[1]`.
+/// The solid angle of a rectangle on a face, as seen from the middle of the cube: from `u[0]` to `u[1]` and `v[0]` to
+/// `v[1]`.
 ///
-/// The corner of the quadrant that ends at `(u, v)` is the integral of `(1 + u² + v²)^(-3/2)`, `atan(u v / √(1 + u² + v²))`.
+/// The corner of the quadrant that ends at `(u, v)` is the integral of `(1 + u² + v²)^(-3/2)`,
+/// `atan(u v / √(1 + u² + v²))`.
 pub(super) fn solid_angle(u: [f64; 2], v: [f64; 2]) -> f64 {
     let quadrant = |u: f64, v: f64| (u * v).atan2((1.0 + u * u + v * v).sqrt());
     quadrant(u[1], v[1]) - quadrant(u[0], v[1]) - quadrant(u[1], v[0]) + quadrant(u[0], v[0])

@@ -24,8 +24,8 @@ impl Level {
         &self.texels[face as usize * count..][..count]
     }
 
-    /// What hardware reads that filters bilinearly within one face; `None` if the direction, in the cube's space, points away
-    /// from the face. Beyond the outermost texels' centres, their values go on.
+    /// What hardware reads that filters bilinearly within one face; `None` if the direction, in the cube's space,
+    /// points away from the face. Beyond the outermost texels' centres, their values go on.
     pub fn sample(&self, face: Face, direction: DVec3) -> Option<DVec3> {
         let [s, t] = face.coordinates(direction)?;
         let last = f64::from(self.grid.size - 1);

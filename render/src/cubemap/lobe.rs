@@ -1,8 +1,9 @@
 //! The lobes that filter the levels of a prefiltered cube map, and the level that a shader looks up.
 //!
-//! - `ggx`: the split sum's first half (Karis, "Real Shading in Unreal Engine 4", 2013) with normal, view and reflection the
-//!   same: light from an angle `θ` to the reflection counts `D(h) cos θ`, `h = θ/2`, with the distribution of Trowbridge and
-//!   Reitz, `D ∝ (α² cos² h + sin² h)⁻²`, and `α` the square of the roughness that artists set.
+//! - `ggx`: the split sum's first half (Karis, "Real Shading in Unreal Engine 4", 2013) with normal, view and
+//!   reflection the same: light from an angle `θ` to the reflection counts `D(h) cos θ`, `h = θ/2`, with the
+//!   distribution of Trowbridge and Reitz, `D ∝ (α² cos² h + sin² h)⁻²`, and `α` the square of the roughness that
+//!   artists set.
 //! - `phong`: `cosᵖ θ`.
 //!
 //! With `n` levels, the roughness of level `i` is `i/(n - 1)`, so that the level is `roughness (n - 1)`, as in Bevy. Or
@@ -86,10 +87,10 @@ impl Lobe {
 
     /// The angle beyond which light counts less than a billionth.
     pub(super) fn reach(&self) -> f64 {
-        const LEAST: f64 = 1e-9;
+        const MIN_WEIGHT: f64 = 1e-9;
         match *self {
             Self::Ggx { .. } => std::f64::consts::FRAC_PI_2,
-            Self::Phong { power } => LEAST.powf(1.0 / power).acos(),
+            Self::Phong { power } => MIN_WEIGHT.powf(1.0 / power).acos(),
         }
     }
 }

@@ -95,8 +95,8 @@ mod tests {
             for treated in [stretch, warp, lookup] {
                 assert!(treated.seam < 1e-6 && treated.seam < 1e-4 * none.seam, "{size}: {treated:?}");
             }
-            // The stretch moves what is near the edges by half a texel, the warp as much but in fewer places; the lookup has
-            // the error of interpolation alone, of second order: less by a factor that grows with the size.
+            // The stretch moves what is near the edges by half a texel, the warp as much but in fewer places; the
+            // lookup has the error of interpolation alone, of second order: less by a factor that grows with the size.
             let factor = f64::from(size) / 3.5;
             assert!(factor * lookup.error < none.error.min(stretch.error), "{size}: {lookup:?} {none:?} {stretch:?}");
             assert!(warp.error < stretch.error, "{size}: {warp:?} {stretch:?}");

@@ -1,7 +1,7 @@
 //! Cube maps: the radiance around a point, filtered for reflections of all roughnesses, without seams between faces.
 //!
-//! The first level is the radiance in each texel's own solid angle. Each further level is half as large and filtered by a
-//! wider [`Lobe`], always from the first level and exactly at its texels' directions, so that errors do not add up.
+//! The first level is the radiance in each texel's own solid angle. Each further level is half as large and filtered by
+//! a wider [`Lobe`], always from the first level and exactly at its texels' directions, so that errors do not add up.
 
 mod environment;
 mod face;
@@ -46,7 +46,8 @@ pub struct Options {
     pub mapping: Mapping,
     /// The lookup of engines.
     pub axes: Axes,
-    /// Texels across a face of a further map of irradiance over π, a power of two in the same range; `None` for no such map.
+    /// Texels across a face of a further map of irradiance over π, a power of two in the same range; `None` for no such
+    /// map.
     pub diffuse: Option<u32>,
     /// Selects the random numbers.
     pub seed: u64,

@@ -171,8 +171,8 @@ fn threads_and_interruptions_leave_no_trace() {
     }
 }
 
-/// Paths are traced until texels are as right as asked, and what is said of their error is true: against two independent
-/// means of many paths, whose noise the mean of the products does not have.
+/// Paths are traced until texels are as right as asked, and what is said of their error is true: against two
+/// independent means of many paths, whose noise the mean of the products does not have.
 #[test]
 fn texels_have_the_error_that_is_said() {
     let world = World::new(crate::scene::cornell_box()).unwrap();

@@ -1,7 +1,7 @@
 //! A denoiser's input channels, found by name in a picture.
 
 use super::DenoiseError;
-use crate::film::Picture;
+use crate::film::{COLORS, Picture};
 
 /// Three planes.
 pub(super) type Rgb = [Vec<f32>; 3];
@@ -41,7 +41,6 @@ impl Channels {
             let names = ends.map(|end| format!("{name}.{end}"));
             three(names.each_ref().map(String::as_str))
         };
-        const COLORS: [&str; 3] = ["R", "G", "B"];
         const AXES: [&str; 3] = ["X", "Y", "Z"];
         let color = group("Noisy", COLORS).or_else(|| three(COLORS)).ok_or_else(|| DenoiseError::Missing {
             channels: vec!["R", "G", "B"],

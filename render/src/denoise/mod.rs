@@ -12,7 +12,7 @@ mod oidn;
 use std::fmt;
 
 use self::channels::{Channels, Rgb};
-use crate::film::{Channel, Picture};
+use crate::film::{COLORS, Channel, Picture};
 use crate::watch::Watch;
 
 #[cfg(feature = "oidn")]
@@ -54,7 +54,7 @@ pub enum DenoiseError {
 }
 
 /// The least number of samples a pixel with which no half is empty.
-pub const LEAST_SAMPLES: u32 = 5;
+pub const MIN_SAMPLES: u32 = 5;
 
 impl Method {
     /// Its name as an option.
@@ -109,7 +109,7 @@ impl Method {
                 values.into_iter().all(|&value| value == 0.0)
             };
             let is_empty = |half: &[&str]| is_black(half) && !is_black(&COLORS);
-            if (1..LEAST_SAMPLES).contains(&samples) || is_empty(&HALVES[..3]) || is_empty(&HALVES[3..]) {
+            if (1..MIN_SAMPLES).contains(&samples) || is_empty(&HALVES[..3]) || is_empty(&HALVES[3..]) {
                 return Err(DenoiseError::EmptyHalf("take at least 5 samples a pixel (--spp), better 8 or 16"));
             }
         }
@@ -122,9 +122,9 @@ impl Method {
         })
     }
 
-    /// The picture with `R`, `G` and `B` denoised, and the noisy ones as `Noisy.R`, `Noisy.G` and `Noisy.B`; other channels
-    /// stay as they are. Works on the threads of the current rayon pool. Gives how many values of colours were not numbers
-    /// besides, which count as black.
+    /// The picture with `R`, `G` and `B` denoised, and the noisy ones as `Noisy.R`, `Noisy.G` and `Noisy.B`; other
+    /// channels stay as they are. Works on the threads of the current rayon pool. Gives how many values of colours were
+    /// not numbers besides, which count as black.
     ///
     /// # Errors
     /// The errors of [`check`](Self::check), if `watch` stops it, or Open Image Denoise fails.
@@ -144,7 +144,6 @@ impl Method {
 /// Bytes of a pixel in [`Channels`].
 const CHANNEL_BYTES: u64 = 4 * (3 + 6 + 3 + 9);
 
-const COLORS: [&str; 3] = ["R", "G", "B"];
 const NOISY: [&str; 3] = ["Noisy.R", "Noisy.G", "Noisy.B"];
 const HALVES: [&str; 6] = ["HalfA.R", "HalfA.G", "HalfA.B", "HalfB.R", "HalfB.G", "HalfB.B"];
 

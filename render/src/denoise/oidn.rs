@@ -1,6 +1,7 @@
 //! Denoising by Intel's Open Image Denoise, on the CPU: the filter `RT` for HDR colours, guided by albedo and normal.
 //!
-//! The guides are filtered first, each alone, and are then said to be clean, as the manual recommends for final pictures.
+//! The guides are filtered first, each alone, and are then said to be clean, as the manual recommends for final
+//! pictures.
 //!
 //! Source: the manual of Open Image Denoise 2, "Recommended usage" and "Prefiltering".
 

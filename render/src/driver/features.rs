@@ -14,11 +14,11 @@ use crate::film::Features;
 use crate::world::{Hit, World};
 
 /// Mirrors and panes of glass that are looked through, one behind the other.
-const MOST_BOUNCES: u32 = 8;
+const MAX_BOUNCES: u32 = 8;
 /// Fixed numbers at which a closure is sampled: lobes with a smaller probability are left out.
 const PROBES: u32 = 16;
 /// Directions that differ by less than this are one.
-const SAME: f32 = 1e-6;
+const SAME_DIRECTION: f32 = 1e-6;
 
 /// A delta function of a closure: where it leads, and how much light comes from there.
 #[derive(Clone, Copy)]
@@ -48,7 +48,7 @@ pub(super) fn through(world: &World, ray: &Ray, hit: &Hit) -> Features {
 }
 
 fn follow(world: &World, ray: &Ray, hit: &Hit, bounce: u32) -> Features {
-    if !hit.is_hit() || bounce == MOST_BOUNCES {
+    if !hit.is_hit() || bounce == MAX_BOUNCES {
         return first(world, ray, hit);
     }
     let mut surface = world.surface_at(hit).facing(ray.direction);
@@ -95,7 +95,7 @@ fn branches(world: &World, surface: &mut crate::world::Surface) -> Option<[Branc
         }
         deltas += 1;
         let same = |branch: &&mut Branch| {
-            branch.weight == Vec3::ZERO || (branch.direction - bounce.direction).length_squared() < SAME
+            branch.weight == Vec3::ZERO || (branch.direction - bounce.direction).length_squared() < SAME_DIRECTION
         };
         if let Some(branch) = branches.iter_mut().find(same) {
             branch.direction = bounce.direction;

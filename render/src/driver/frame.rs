@@ -26,7 +26,7 @@ const TIME_SET: u32 = u32::MAX - 1;
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]
 pub(super) struct TileScratch {
-    /// Number of the pixel in its tile, number of the sample, and place in the pixel.
+    /// Index of the pixel in its tile, index of the sample, and place in the pixel.
     places: Vec<(usize, u32, FilterSample)>,
     samplers: Vec<Sampler>,
     addresses: Vec<SampleId>,
@@ -88,7 +88,7 @@ impl FrameRender {
         FirstHit { sample, depth: self.camera.depth(ray, hit.t), ids, motion }
     }
 
-    /// Adds samples to pixels of the tile, which come with their numbers; gives the number of rays traced.
+    /// Adds samples to pixels of the tile, which come with their indices; gives the number of rays traced.
     pub(super) fn sample(
         &self,
         world: &World,

@@ -14,7 +14,7 @@ use crate::world::World;
 /// The paths of one sample.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampleHistory {
-    /// The sample's number.
+    /// The sample's index.
     pub sample: u32,
     /// Its radiance, linear sRGB.
     pub radiance: Vec3,

@@ -93,8 +93,8 @@ pub fn render(world: &World, settings: &Settings, watch: &dyn Watch) -> Render {
 /// Like [`render`], but only the plan's part of the picture.
 ///
 /// # Errors
-/// If the plan's film is not of this picture, or has other samples than the plan's; if these begin at the end; if the light path expressions are too
-/// complex.
+/// If the plan's film is not of this picture, or has other samples than the plan's; if these begin at the end; if the
+/// light path expressions are too complex.
 pub fn render_plan(world: &World, settings: &Settings, mut plan: Plan, watch: &dyn Watch) -> Result<Render, FilmError> {
     let start = Instant::now();
     let header = film_header(world, settings, plan.cache.as_ref());
@@ -168,7 +168,8 @@ struct Renderer<'a> {
 }
 
 impl Renderer<'_> {
-    /// Takes the first sample of every pixel that has none, which cannot be stopped, level by level; gives the rays traced.
+    /// Takes the first sample of every pixel that has none, which cannot be stopped, level by level; gives the rays
+    /// traced.
     fn first_wave(&self, film: &mut Film, start: Instant) -> u64 {
         let coarsest = levels::sides(self.watch.coarsest()).next().unwrap_or(1);
         let first = self.plan.first_sample;

@@ -34,8 +34,8 @@ pub struct Step {
     pub x: Range<u32>,
     /// The tile's rows.
     pub y: Range<u32>,
-    /// Linear radiance of its pixels so far, row by row; as long as only the corners of squares have a sample, squares of
-    /// one colour.
+    /// Linear radiance of its pixels so far, row by row; as long as only the corners of squares have a sample, squares
+    /// of one colour.
     pub radiance: Vec<[f32; 3]>,
     /// Camera samples taken.
     pub samples: u64,
@@ -44,10 +44,10 @@ pub struct Step {
 }
 
 impl TileWorker {
-    /// Every tile of the picture that `world`'s camera sees whose number leaves `number` when divided by `count`, the
-    /// number of workers, more than 0. The integrator `cached` reads `cache`, to which nothing is added
-    /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced. Paths are
-    /// not guided.
+    /// Every tile of the picture that `world`'s camera sees whose index leaves the remainder `number` when divided by
+    /// `count`, the number of workers, more than 0. The integrator `cached` reads `cache`, to which nothing is added
+    /// ([`fill_cache`](super::fill_cache) does that): where it has no record, or without one, paths are traced. Paths
+    /// are not guided.
     pub fn new(world: &World, settings: &Settings, cache: Option<Cache>, number: usize, count: usize) -> Self {
         let prepared = match &settings.integrator {
             Integrator::Cached(options) => {

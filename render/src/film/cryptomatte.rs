@@ -2,8 +2,8 @@
 //!
 //! A sample counts for the name that its camera ray hits, with the magnitude of its filter weight, as coverage is never
 //! negative; what hits nothing counts for no name. So the coverages of a pixel sum to the part of it that shows
-//! surfaces. A film keeps the weights of all names of a pixel as exact integers, so that parts of a picture add up to the
-//! bit; only a picture is limited to so many levels.
+//! surfaces. A film keeps the weights of all names of a pixel as exact integers, so that parts of a picture add up to
+//! the bit; only a picture is limited to so many levels.
 //!
 //! Sources: Friedman and Jones, "Fully Automatic ID Mattes with Support for Motion Blur and Transparency" (2015);
 //! "Cryptomatte Specification", version 1.2.0; Appleby's MurmurHash3_x86_32.

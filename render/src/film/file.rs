@@ -2,10 +2,10 @@
 //!
 //! All numbers are little-endian. A file is the magic bytes, a version, the length of the header and the header as JSON
 //! ([`FilmHeader`]), its level (not a number if there is none), the seconds, the number of tiles that have samples, and
-//! for each its number, its samples, those that are not numbers, whether it has pixels that see nothing, its sums of 128
-//! bits, pixel by pixel, the hits of first samples, and for each pixel of its Cryptomatte layers the number of names, their ids
-//! and sums; in the end the XXH3 hash of all that. A file that is cut off, changed or of another
-//! kind is refused.
+//! for each its index, its samples, those that are not numbers, whether it has pixels that see nothing, its sums of 128
+//! bits, pixel by pixel, the hits of first samples, and for each pixel of its Cryptomatte layers the number of names,
+//! their ids and sums; in the end the XXH3 hash of all that. A file that is cut off, changed or of another kind is
+//! refused.
 
 use super::bytes::Bytes;
 use super::cryptomatte::Coverage;

@@ -25,7 +25,7 @@ pub use filter_sampler::{FilterSample, FilterSampler};
 pub use header::{FilmError, FilmHeader};
 pub use merge::{Merger, Missing};
 pub use picture::{Channel, Metadata, Picture};
-pub(crate) use planes::is_for_denoising;
+pub(crate) use planes::{COLORS, is_for_denoising};
 pub use tile::BadSamples;
 pub(crate) use tile::{Extras, Features, FirstHit, TILE_SIDE, Tile, tiles};
 

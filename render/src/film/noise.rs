@@ -32,8 +32,8 @@ impl Film {
         Some(mean * mean)
     }
 
-    /// The estimated relative error of the picture: the root of the pixels' mean squared error. `None` without halves, or
-    /// before both have samples.
+    /// The estimated relative error of the picture: the root of the pixels' mean squared error. `None` without halves,
+    /// or before both have samples.
     pub fn relative_error(&self) -> Option<f64> {
         let level = self.header.level?;
         let mut sum = 0.0;

@@ -15,8 +15,8 @@ pub struct Picture {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// At least `R`, `G` and `B`, linear sRGB radiance; `A`, the part of each pixel that sees anything, if the film has a
-    /// border (then colours are multiplied by it); further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
+    /// At least `R`, `G` and `B`, linear sRGB radiance; `A`, the part of each pixel that sees anything, if the film has
+    /// a border (then colours are multiplied by it); further ones by pbrt's names (`Albedo.R`, `Ns.X`, `Variance.R`).
     pub channels: Vec<Channel>,
     /// The origin of the picture.
     pub metadata: Metadata,

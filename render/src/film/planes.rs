@@ -4,7 +4,7 @@ use super::tile::{FEATURE_NAMES, Tile};
 use super::{Channel, Film};
 
 /// The names of the colours.
-const COLORS: [&str; 3] = ["R", "G", "B"];
+pub(crate) const COLORS: [&str; 3] = ["R", "G", "B"];
 
 /// The channels of first hits and samples.
 const DEPTH: &str = "Depth.Z";

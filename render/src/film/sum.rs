@@ -1,5 +1,5 @@
-//! Sums that do not depend on the order of what is added, so that tiles, threads, processes and machines may share a
-//! picture's samples in any way and arrive at the same bytes.
+//! Sums that do not depend on the order of what is added, so that tiles, threads, processes and machines may divide a
+//! picture's samples among them at will and arrive at the same bytes.
 //!
 //! A sum is an integer of 128 bits in units of 2⁻⁶⁴. What is added is rounded once, towards zero, to such a unit, and
 //! bounded by 2⁴⁰; then all is exact: 2²³ samples of the greatest value fit, and any number of a picture's usual ones.

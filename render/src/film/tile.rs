@@ -31,8 +31,8 @@ pub(crate) struct FirstHit {
     pub sample: u32,
     /// Along the view of a flat camera, from the eye of others; [`NO_DEPTH`](Self::NO_DEPTH) where nothing is hit.
     pub depth: f32,
-    /// Numbers of the object, the material, the triangle in the object, and the instance, from 1; 0 where nothing is hit, or
-    /// what is in no instance.
+    /// Numbers of the object, the material, the triangle in the object, and the instance, from 1; 0 where nothing is
+    /// hit, or what is in no instance.
     pub ids: [u32; 4],
     /// How many pixels what is hit moves to the right and up while the shutter is open.
     pub motion: [f32; 2],
@@ -79,7 +79,7 @@ pub(crate) struct Tile {
     pub(super) mattes: Vec<Vec<Coverage>>,
     /// The weights of each pixel's samples without a ray; empty if there are none.
     pub(super) uncovered: Vec<Sum>,
-    /// Samples that every pixel has, by their numbers.
+    /// Samples that every pixel has, by their indices.
     pub samples: Range<u32>,
     /// Samples that are not numbers.
     pub(super) bad: BadSamples,
@@ -157,7 +157,7 @@ impl Tile {
         rows.flat_map(move |y| columns.clone().map(move |x| (x, y)))
     }
 
-    /// Adds a sample to the pixel of this number. One that is not a number counts as black.
+    /// Adds a sample to the pixel of this index. One that is not a number counts as black.
     #[inline]
     pub(crate) fn add(&mut self, pixel: usize, sample: u32, filter: &FilterSample, radiance: Vec3) {
         let radiance = if radiance.is_finite() { radiance } else { self.add_bad(pixel) };
@@ -198,8 +198,8 @@ impl Tile {
         }
     }
 
-    /// Adds what AOVs by light path expressions have of a sample that is [added](Self::add); nothing of one that is not a
-    /// number.
+    /// Adds what AOVs by light path expressions have of a sample that is [added](Self::add); nothing of one that is not
+    /// a number.
     pub(crate) fn add_light(&mut self, pixel: usize, filter: &FilterSample, radiance: Vec3, light: &[Vec3]) {
         if !radiance.is_finite() {
             return;
@@ -228,7 +228,7 @@ impl Tile {
         }
     }
 
-    /// The linear radiance of the pixel of this number; black without samples.
+    /// The linear radiance of the pixel of this index; black without samples.
     pub(crate) fn radiance(&self, pixel: usize) -> [f32; 3] {
         let [red, green, blue] = self.pixels[pixel].mean();
         [red as f32, green as f32, blue as f32]

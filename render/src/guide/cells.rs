@@ -12,7 +12,7 @@ use super::{GuideCell, GuideSample};
 /// Bounces from which on a cell is cut in half.
 const CUT_COUNT: usize = 512;
 /// Bounces without which nothing is guided.
-const LEAST_COUNT: usize = 32;
+const MIN_COUNT: usize = 32;
 /// A cell is cut so often at most.
 const MAX_DEPTH: u32 = 40;
 
@@ -39,7 +39,7 @@ struct Node {
     at: f32,
     /// 3 for a cell.
     axis: u32,
-    /// The nodes below and above, of which the second comes after the first; or the cell's number.
+    /// The nodes below and above, of which the second comes after the first; or the cell's index.
     first: u32,
 }
 
@@ -55,7 +55,7 @@ impl Cells {
         let empty = Node { at: 0.0, axis: CELL, first: 0 };
         let (mut nodes, mut leaves) = (vec![empty; 6], Vec::new());
         let mut open: VecDeque<_> = sides.into_iter().enumerate().map(|(root, samples)| (root, samples, 0)).collect();
-        // In the order of their numbers.
+        // In the order of their indices.
         while let Some((number, samples, depth)) = open.pop_front() {
             let cut = (samples.len() >= CUT_COUNT && depth < MAX_DEPTH).then(|| middle(&samples)).flatten();
             let Some((axis, at)) = cut else {
@@ -89,7 +89,7 @@ impl Cells {
     }
 }
 
-/// The number of the cell at this position.
+/// The index of the cell at this position.
 fn find(nodes: &[Node], side: u8, position: Vec3) -> usize {
     let mut node = nodes[usize::from(side)];
     while node.axis != CELL {
@@ -122,7 +122,7 @@ fn middle(samples: &[GuideSample]) -> Option<(usize, f32)> {
 /// The cell with these bounces, and its tree of directions.
 fn cell(samples: Vec<GuideSample>) -> (GuideCell, DirectionTrees) {
     let mut directions = DirectionTrees::default();
-    let Some(first) = samples.first().filter(|_| samples.len() >= LEAST_COUNT) else {
+    let Some(first) = samples.first().filter(|_| samples.len() >= MIN_COUNT) else {
         return (GuideCell::NONE, directions);
     };
     let side = side(first.normal);

@@ -1,8 +1,8 @@
 //! Distributions of directions: quadtrees over a square that stands for the sphere.
 //!
 //! A square's first coordinate is the cosine with the axis that surfaces of the cell face, so that it keeps areas; the
-//! second is the angle about that axis, by `y / (|x| + |y|)` in each quadrant: no trigonometry, and a density that differs
-//! from an even one by a factor of two at most.
+//! second is the angle about that axis, by `y / (|x| + |y|)` in each quadrant: no trigonometry, and a density that
+//! differs from an even one by a factor of two at most.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
@@ -19,7 +19,7 @@ const MAX_DEPTH: u32 = 10;
 /// A bounce is spread over an area of up to this part of its square's side.
 const BLUR: f32 = 1.0;
 /// The part of a square that each quarter of it has at least.
-const LEAST_PART: f32 = 0.01;
+const MIN_PART: f32 = 0.01;
 
 /// A bounce: the position of its direction in the square, and the light that it found.
 pub(super) type Weighted = (Vec2, f32);
@@ -36,8 +36,8 @@ pub(super) struct DirectionTrees {
     nodes: Vec<Node>,
 }
 
-/// A square that is cut into four: the parts of its light that these have, and the numbers of their nodes; 0 for one that
-/// is not cut.
+/// A square that is cut into four: the parts of its light that these have, and the numbers of their nodes; 0 for one
+/// that is not cut.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     parts: [f32; 4],
@@ -45,8 +45,8 @@ struct Node {
 }
 
 impl DirectionTrees {
-    /// Adds the tree of these bounces, of which one has found light at least; gives its number. They are put into another
-    /// order.
+    /// Adds the tree of these bounces, of which one has found light at least; gives its index. They are put into
+    /// another order.
     pub(super) fn add(&mut self, samples: &mut [Weighted]) -> u32 {
         let total = samples.iter().map(|(_, light)| light).sum();
         let tree = self.cut(samples, total, 0);
@@ -63,7 +63,7 @@ impl DirectionTrees {
         }
         for node in nodes {
             let all: f32 = node.parts.iter().sum();
-            let part = |part: f32| if all > 0.0 { LEAST_PART + (1.0 - 4.0 * LEAST_PART) * part / all } else { 0.25 };
+            let part = |part: f32| if all > 0.0 { MIN_PART + (1.0 - 4.0 * MIN_PART) * part / all } else { 0.25 };
             node.parts = node.parts.map(part);
         }
         tree
@@ -126,7 +126,7 @@ impl DirectionTrees {
         }
     }
 
-    /// Adds other trees; gives what is added to their numbers.
+    /// Adds other trees; gives what is added to their indices.
     pub(super) fn append(&mut self, other: Self) -> u32 {
         let offset = self.nodes.len() as u32;
         self.nodes.extend(other.nodes.into_iter().map(|node| {

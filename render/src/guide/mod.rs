@@ -5,8 +5,8 @@
 //! directions with those of the closure: the density is `p = a p_guide + (1 - a) p_closure`, for bounces and for
 //! multiple importance sampling alike, so that there is no bias.
 //!
-//! Space is cut into [cells](cells), by the side that a surface faces and then by halves, each with about as many bounces
-//! that found light; a cell has a [quadtree of directions](directions).
+//! Space is cut into [cells](cells), by the side that a surface faces and then by halves, each with about as many
+//! bounces that found light; a cell has a [quadtree of directions](directions).
 //!
 //! Deviations from the paper: paths to learn from are traced before the picture, in rounds of fixed size, so that the
 //! picture does not depend on how its samples are split up. The learned distribution includes the cosine, as a cell's

@@ -10,8 +10,8 @@ fn bounces(count: u32, normal: Vec3, light: impl Fn(Vec3) -> f32) -> Vec<GuideSa
     bounces_at(count, normal, |_, direction| light(direction))
 }
 
-/// Bounces by the cosine from a square of two by two around the origin, that find what `light` gives for their place and
-/// direction.
+/// Bounces by the cosine from a square of two by two around the origin, that find what `light` gives for their place
+/// and direction.
 fn bounces_at(count: u32, normal: Vec3, light: impl Fn(Vec3, Vec3) -> f32) -> Vec<GuideSample> {
     let frame = Frame::from_normal(normal);
     let bounce = |i| {

@@ -10,8 +10,8 @@ use super::event::{Event, Kind, Pattern, Scattering};
 use super::{Expression, Node};
 
 /// The most states, and the most places of the nondeterministic automaton.
-const MOST_STATES: usize = 20_000;
-const MOST_PLACES: usize = 20_000;
+const MAX_STATES: usize = 20_000;
+const MAX_PLACES: usize = 20_000;
 
 /// The label that represents all labels that no expression names.
 const OTHER: &str = "";
@@ -42,7 +42,7 @@ struct Places<'a> {
     on: Vec<Option<(&'a Pattern, u32)>>,
 }
 
-/// The events that can happen in a scene, each once, by their numbers.
+/// The events that can happen in a scene, each once, by their indices.
 #[derive(Debug)]
 pub(crate) struct Alphabet {
     /// The labels that are distinguished; `None` for all.
@@ -67,14 +67,14 @@ impl Alphabet {
         Self { named: None, numbers: BTreeMap::new() }
     }
 
-    /// Its events in the order of their numbers.
+    /// Its events in the order of their indices.
     pub(crate) fn into_events(self) -> Vec<Event> {
         let mut events: Vec<(u32, Event)> = self.numbers.into_iter().map(|(event, number)| (number, event)).collect();
         events.sort_unstable_by_key(|&(number, _)| number);
         events.into_iter().map(|(_, event)| event).collect()
     }
 
-    /// The number of an event; events that no expression distinguishes share one.
+    /// The index of an event; events that no expression distinguishes share one.
     pub(crate) fn number(&mut self, kind: Kind, scattering: Scattering, labels: [&str; 2]) -> u32 {
         let is_known = |label: &str| self.named.as_ref().is_none_or(|named| named.iter().any(|it| it == label));
         let known = |label: &str| if is_known(label) { label } else { OTHER }.to_owned();
@@ -104,7 +104,7 @@ impl Automaton {
         let mut next = Vec::new();
         let mut state = 0;
         while let Some(set) = sets.sets.get(state).cloned() {
-            if state > MOST_STATES {
+            if state > MAX_STATES {
                 return Err(TooComplex);
             }
             for (event, _) in &events {
@@ -158,7 +158,7 @@ impl Sets<'_> {
 
 impl<'a> Places<'a> {
     fn add(&mut self) -> Result<u32, TooComplex> {
-        if self.free.len() == MOST_PLACES {
+        if self.free.len() == MAX_PLACES {
             return Err(TooComplex);
         }
         self.free.push(Vec::new());

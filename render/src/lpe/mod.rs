@@ -5,8 +5,8 @@
 //! through all expressions of a picture at once: a path carries one number, its state.
 //!
 //! Sources: Heckbert, "Adaptive Radiosity Textures for Bidirectional Ray Tracing" (1990), for the notation; the Open
-//! Shading Language (Academy Software Foundation), `lpeparse.cpp`, for the language; Thompson (1968) and Rabin and Scott
-//! (1959) for the automata.
+//! Shading Language (Academy Software Foundation), `lpeparse.cpp`, for the language; Thompson (1968) and Rabin and
+//! Scott (1959) for the automata.
 
 mod automaton;
 mod event;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! So `|` joins the items right before and behind it alone. A letter outside of `<>` is an event with that kind or
-//! scattering, a label one with that first label. Labels may stand between `"` too. `?` is not in Open Shading Language,
-//! and neither are errors for symbols where they can mean nothing, as in `<DR>`.
+//! scattering, a label one with that first label. Labels may stand between `"` too. `?` is not in Open Shading
+//! Language, and neither are errors for symbols where they can mean nothing, as in `<DR>`.
 
 mod inside;
 
@@ -20,9 +20,9 @@ use super::Node;
 use super::event::{Choice, Letter, Pattern, letter};
 
 /// The most repetitions that a range may ask for.
-const MOST_REPEATS: u32 = 64;
+const MAX_REPEATS: u32 = 64;
 /// The deepest nesting of brackets, and the most repetitions of one item.
-const MOST_NESTED: usize = 64;
+const MAX_NESTED: usize = 64;
 
 /// Why a text is no light path expression.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -123,8 +123,8 @@ impl Parser<'_> {
 
     fn open(&mut self) -> Result<usize, LpeError> {
         self.nested += 1;
-        if self.nested > MOST_NESTED {
-            return self.fail(self.at, "brackets are nested too deep", format!("nest at most {MOST_NESTED}"));
+        if self.nested > MAX_NESTED {
+            return self.fail(self.at, "brackets are nested too deep", format!("nest at most {MAX_NESTED}"));
         }
         self.at += 1;
         Ok(self.at - 1)
@@ -157,7 +157,7 @@ impl Parser<'_> {
 
     fn repeated(&mut self) -> Result<Node, LpeError> {
         let mut node = self.atom()?;
-        for _ in 0..MOST_NESTED {
+        for _ in 0..MAX_NESTED {
             let (least, most) = match self.peek() {
                 Some('*') => (0, None),
                 Some('+') => (1, None),
@@ -172,7 +172,7 @@ impl Parser<'_> {
             self.at += 1;
             node = Node::Repeat(Box::new(node), least, most);
         }
-        self.fail(self.at, "too many repetitions follow one another", format!("write fewer than {MOST_NESTED}"))
+        self.fail(self.at, "too many repetitions follow one another", format!("write fewer than {MAX_NESTED}"))
     }
 
     /// `{n}`, `{n,}` or `{n,m}`.
@@ -182,7 +182,7 @@ impl Parser<'_> {
         let least = self.number();
         let most = if self.takes(',') { self.number() } else { least };
         let is_bounded = least == most || most.is_some();
-        let fits = |number: Option<u32>| number.is_none_or(|number| number <= MOST_REPEATS);
+        let fits = |number: Option<u32>| number.is_none_or(|number| number <= MAX_REPEATS);
         match least {
             Some(number) if self.takes('}') && fits(least) && fits(most) && most.is_none_or(|most| most >= number) => {
                 Ok((number, if is_bounded { most } else { None }))
@@ -190,7 +190,7 @@ impl Parser<'_> {
             _ => self.fail(
                 open,
                 "this is no range",
-                format!("write {{n}}, {{n,}} or {{n,m}} with n at most m, and both at most {MOST_REPEATS}"),
+                format!("write {{n}}, {{n,}} or {{n,m}} with n at most m, and both at most {MAX_REPEATS}"),
             ),
         }
     }

@@ -15,8 +15,8 @@ background:#fafafa;color:#222}table{border-collapse:collapse}td,th{padding:.2em 
 border-bottom:1px solid #ddd}td{font-variant-numeric:tabular-nums}.page{display:flex;flex-wrap:wrap;gap:1em}\
 figure{margin:0;width:min(380px,100%)}figure.wide{width:100%}img{width:100%;image-rendering:pixelated;display:block}\
 figcaption{font-size:13px}.scale{height:8px;margin-top:4px}.warning{color:#a40}";
-/// An attribute without a value.
-const OUTSIDE: [u8; 3] = [24, 24, 28];
+/// The sRGB codes of what has no value, and of texels outside of charts.
+pub(crate) const OUTSIDE: [u8; 3] = [24, 24, 28];
 
 /// A report that is being written.
 pub(crate) struct Html(String);

@@ -1,9 +1,9 @@
 //! KTX 2.0 in half floats (`VK_FORMAT_R16G16B16A16_SFLOAT`): Bevy's format for lightmaps, cube maps and irradiance
 //! volumes.
 //!
-//! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and the
-//! texels, smallest level first; nothing is compressed. A level holds its layers or faces (+X, -X, +Y, -Y, +Z, -Z) one after
-//! the other, or its slices. Alpha is 1.
+//! The file is a header of 80 bytes, the places of the mip levels, the data format descriptor, key and value pairs, and
+//! the texels, smallest level first; nothing is compressed. A level holds its layers or faces (+X, -X, +Y, -Y, +Z, -Z)
+//! one after the other, or its slices. Alpha is 1.
 //!
 //! Sources: "KTX File Format Specification", version 2.0; "Khronos Data Format Specification", version 1.3, section 5
 //! (the basic descriptor block) and 10.2 (half floats). Both of the Khronos Group.
@@ -29,8 +29,8 @@ const TEXEL: u32 = 8;
 pub struct Texture<'a> {
     /// What it is, with its extent in texels.
     pub shape: Shape,
-    /// Texels of each level from the largest on, each level half as long along all axes as the one before: face by face,
-    /// layer by layer or slice by slice, row by row from the top.
+    /// Texels of each level from the largest on, each level half as long along all axes as the one before: face by
+    /// face, layer by layer or slice by slice, row by row from the top.
     pub levels: Vec<&'a [Vec3]>,
     /// Whether numbers may be negative; else what is becomes 0.
     pub is_signed: bool,
@@ -50,7 +50,7 @@ pub enum Shape {
 }
 
 impl Shape {
-    /// Texels in the mip level of this number.
+    /// Texels in this mip level.
     fn texels(self, level: u32) -> u64 {
         let side = |side: u32| u64::from((side >> level).max(1));
         match self {
@@ -61,8 +61,8 @@ impl Shape {
         }
     }
 
-    /// Width, height, depth, layers and faces as the header has them: a depth of 0 for what is flat, and no layers for what
-    /// is no array.
+    /// Width, height, depth, layers and faces as the header has them: a depth of 0 for what is flat, and no layers for
+    /// what is no array.
     fn extent(self) -> [u32; 5] {
         match self {
             Self::Plane([width, height]) => [width, height, 0, 0, 1],

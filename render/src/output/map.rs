@@ -22,8 +22,8 @@ pub struct Map<'a> {
 pub struct EncodedMap {
     /// All of the file.
     pub bytes: Vec<u8>,
-    /// How many texels the format cannot hold: too bright ones became as bright as it goes, and what is not a number, or
-    /// negative where nothing may be, became 0. More than none deserves a warning.
+    /// How many texels the format cannot hold: too bright ones became as bright as it goes, and what is not a number,
+    /// or negative where nothing may be, became 0. More than none deserves a warning.
     pub clamped: usize,
 }
 

@@ -36,7 +36,8 @@ use crate::film::Picture;
 pub enum Format {
     /// OpenEXR: all channels in full precision, and the metadata.
     Exr,
-    /// PNG: the colours alone, through a [`ToneMapping`]; counts of the integrator `heat` in false colours with a legend.
+    /// PNG: the colours alone, through a [`ToneMapping`]; counts of the integrator `heat` in false colours with a
+    /// legend.
     Png,
 }
 

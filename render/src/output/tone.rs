@@ -10,7 +10,8 @@ use glam::Vec3;
 
 use crate::film::LUMINANCE;
 
-/// Above this, a channel is as good as infinite: every curve shows it at full strength, and its arithmetic stays finite.
+/// Above this, a channel is as good as infinite: every curve shows it at full strength, and its arithmetic stays
+/// finite.
 const BRIGHTEST: f32 = 1e30;
 
 /// The mapping of radiance to brightness on a screen.

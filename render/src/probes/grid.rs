@@ -32,13 +32,13 @@ impl ProbeGrid {
         self.len() == 0
     }
 
-    /// Column, row and slice of the probe of this number.
+    /// Column, row and slice of the probe of this index.
     pub fn place(&self, index: usize) -> [u32; 3] {
         let [rx, ry, _] = self.count.map(|count| count as usize);
         [index % rx, index / rx % ry, index / rx / ry].map(|place| place as u32)
     }
 
-    /// The number of the probe in this column, row and slice: x changes first, z last.
+    /// The index of the probe in this column, row and slice: x changes first, z last.
     pub fn index(&self, [x, y, z]: [u32; 3]) -> usize {
         let [rx, ry, _] = self.count.map(|count| count as usize);
         (z as usize * ry + y as usize) * rx + x as usize

@@ -2,11 +2,13 @@
 //!
 //! They are real and orthonormal over the sphere, and all signs are positive, without the factor `(-1)ᵐ` of Condon and
 //! Shortley: `Y₀₀ = ½ √(1/π)`, `Y₁₋₁, Y₁₀, Y₁₁ = √(3/4π) (y, z, x)`, `Y₂₋₂, Y₂₋₁, Y₂₁ = ½ √(15/π) (xy, yz, xz)`,
-//! `Y₂₀ = ¼ √(5/π) (3z² - 1)`, `Y₂₂ = ¼ √(15/π) (x² - y²)`, in this order of l and then of m, in world space. So have them
-//! Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps" (2001), three.js and others.
+//! `Y₂₀ = ¼ √(5/π) (3z² - 1)`, `Y₂₂ = ¼ √(15/π) (x² - y²)`, in this order of l and then of m, in world space. So have
+//! them Ramamoorthi and Hanrahan, "An Efficient Representation for Irradiance Environment Maps" (2001), three.js and
+//! others.
 //!
-//! A coefficient is `L_lm = ∫ L Y_lm dω`, and irradiance `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4`. What is left out
-//! by ending there is at most a few percent of the irradiance, and may make it negative opposite to a small bright light.
+//! A coefficient is `L_lm = ∫ L Y_lm dω`, and irradiance `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4`. What is
+//! left out by ending there is at most a few percent of the irradiance, and may make it negative opposite to a small
+//! bright light.
 
 use std::f64::consts::PI;
 
@@ -49,8 +51,8 @@ mod tests {
         }
     }
 
-    /// The constants that Ramamoorthi and Hanrahan print, at directions where a single function is not zero or all signs
-    /// show.
+    /// The constants that Ramamoorthi and Hanrahan print, at directions where a single function is not zero or all
+    /// signs show.
     #[test]
     fn values_and_signs_are_the_published_ones() {
         let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-6, "{found}, not {expected}");
@@ -67,8 +69,8 @@ mod tests {
         near(basis(d)[7], 1.092_548 * 2.0 / 9.0);
     }
 
-    /// Of polynomials up to the second degree, whose irradiance has a closed form: `π (a + 2/3 b·n + 1/4 (q(n) - trace/3) +
-    /// trace/3)` for `L = a + b·d + q(d)`.
+    /// Of polynomials up to the second degree, whose irradiance has a closed form: `π (a + 2/3 b·n + 1/4 (q(n) -
+    /// trace/3) + trace/3)` for `L = a + b·d + q(d)`.
     #[test]
     fn irradiance_of_what_is_smooth_is_exact() {
         let light =

@@ -1,6 +1,6 @@
-//! Directions and weights that integrate smooth functions over the sphere without error: Gauss's and Legendre's nodes along
-//! z, and as many steps around as a ring needs. With `m` rings of `2m` directions, all polynomials of degree `2m - 1` in x, y
-//! and z are exact; so are, for any `m` of 3 or more, the harmonics of light that has no finer detail.
+//! Directions and weights that integrate smooth functions over the sphere without error: Gauss's and Legendre's nodes
+//! along z, and as many steps around as a ring needs. With `m` rings of `2m` directions, all polynomials of degree
+//! `2m - 1` in x, y and z are exact; so are, for any `m` of 3 or more, the harmonics of light that has no finer detail.
 
 use std::f64::consts::{PI, TAU};
 

@@ -1,10 +1,10 @@
-//! Probes of a grid as Bevy's irradiance volume: a texture of ambient cubes (Mitchell, McTaggart and Green 2006, "Shading in
-//! Valve's Source Engine"), which hold the light for normals along the six axes.
+//! Probes of a grid as Bevy's irradiance volume: a texture of ambient cubes (Mitchell, McTaggart and Green 2006,
+//! "Shading in Valve's Source Engine"), which hold the light for normals along the six axes.
 //!
-//! For a grid of `(rx, ry, rz)` the texture has `(rx, 2 ry, 3 rz)` texels. The texel of probe `(x, y, z)` for a normal along
-//! an axis is at `(x, y + ry if the normal is negative, z + rz times 0, 1 or 2 for x, y or z)`. (So reads the shader of Bevy
-//! 0.18 to 0.20, `irradiance_volume.wgsl`, which looks half of the texture further down where a normal is negative; the text
-//! of its documentation has the two halves the other way around.)
+//! For a grid of `(rx, ry, rz)` the texture has `(rx, 2 ry, 3 rz)` texels. The texel of probe `(x, y, z)` for a normal
+//! along an axis is at `(x, y + ry if the normal is negative, z + rz times 0, 1 or 2 for x, y or z)`. (So reads the
+//! shader of Bevy 0.18 to 0.20, `irradiance_volume.wgsl`, which looks half of the texture further down where a normal
+//! is negative; the text of its documentation has the two halves the other way around.)
 //!
 //! A texel is irradiance over π, as Bevy multiplies what it reads by the surface's colour alone. The shader weighs the
 //! three sides that a normal sees by its squared components. The volume's transform stretches a cube of side 1 over the

@@ -11,7 +11,7 @@ pub enum SceneFault {
     /// A number that names nothing.
     #[error("{owner} {number} names {what} {index}, and there are {count}\n  help: numbers begin at 0")]
     Dangling {
-        /// Whose number it is.
+        /// Whose index it is.
         owner: &'static str,
         /// The index.
         number: usize,
@@ -27,9 +27,9 @@ pub enum SceneFault {
         "triangle {triangle} of mesh {mesh} has the corner {corner}, and the mesh has {positions} positions\n  help: numbers begin at 0"
     )]
     Corner {
-        /// The mesh's number.
+        /// The mesh's index.
         mesh: usize,
-        /// The triangle's number.
+        /// The triangle's index.
         triangle: usize,
         /// The number in it.
         corner: u32,
@@ -39,15 +39,15 @@ pub enum SceneFault {
     /// A position that is infinite or not a number.
     #[error("position {position} of mesh {mesh} is not finite")]
     NotFinite {
-        /// The mesh's number.
+        /// The mesh's index.
         mesh: usize,
-        /// The position's number.
+        /// The position's index.
         position: usize,
     },
     /// A list that is neither empty nor as long as another.
     #[error("mesh {mesh} has {count} {what}, and {of}\n  help: give one for each, or none")]
     Length {
-        /// The mesh's number.
+        /// The mesh's index.
         mesh: usize,
         /// The contents of the list.
         what: &'static str,

@@ -64,11 +64,11 @@ impl fmt::Display for SceneError {
 }
 
 /// Names that are listed at most.
-const MOST_LISTED: usize = 5;
+const MAX_LISTED: usize = 5;
 
 /// "a", "a and b", "a, b and 3 more".
 pub(crate) fn listed(names: &[String]) -> String {
-    let (shown, rest) = names.split_at(names.len().min(MOST_LISTED));
+    let (shown, rest) = names.split_at(names.len().min(MAX_LISTED));
     match (shown, rest.len()) {
         ([], _) => String::new(),
         ([one], 0) => one.clone(),

@@ -93,8 +93,8 @@ pub(super) fn frame_inside(scene: &Scene, up: Vec3, vfov: Option<f32>) -> Option
     }
     let target = at(0.5, 0.5, 0.5 * EYE_HEIGHT + 0.15);
     let view = |&eye: &Vec3| {
-        let way = (target - eye).try_normalize()?;
-        let far = free(eye, way).map_or(f32::INFINITY, |hit| hit.t).min((target - eye).length());
+        let direction = (target - eye).try_normalize()?;
+        let far = free(eye, direction).map_or(f32::INFINITY, |hit| hit.t).min((target - eye).length());
         let clearance = directions().filter_map(|direction| free(eye, direction)).map(|hit| hit.t).fold(far, f32::min);
         (clearance > 0.02 * extent.length()).then_some((far, eye))
     };

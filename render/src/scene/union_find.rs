@@ -1,7 +1,7 @@
 //! Union-find: which numbers hang together, told by pairs of them.
 
-/// Disjoint sets of numbers from 0 on. The least number of a set is its root, so that roots do not depend on the order in
-/// which sets are joined.
+/// Disjoint sets of numbers from 0 on. The least number of a set is its root, so that roots do not depend on the order
+/// in which sets are joined.
 #[derive(Debug, Default)]
 pub(crate) struct UnionFind {
     parents: Vec<u32>,

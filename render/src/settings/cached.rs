@@ -19,9 +19,9 @@ pub struct CachedOptions {
     /// The number of reflections before a record: `None` for unlimited, by paths, which for many records end in another
     /// cache; else each bounce has a cache of its own.
     pub bounces: Option<u32>,
-    /// The root mean square error that irradiance may have, relative to its mean over all points, more than 0 and at most
-    /// [`MAX_ACCURACY`](Self::MAX_ACCURACY). Then `error` and `rays` are chosen for the scene; `None` takes them as they
-    /// are.
+    /// The root mean square error that irradiance may have, relative to its mean over all points, more than 0 and at
+    /// most [`MAX_ACCURACY`](Self::MAX_ACCURACY). Then `error` and `rays` are chosen for the scene; `None` takes them
+    /// as they are.
     pub accuracy: Option<f32>,
 }
 
@@ -41,7 +41,8 @@ pub enum Gradients {
 pub enum Metric {
     /// The harmonic mean distance of the record's surroundings, and Ward's weight (Ward, Rubinstein and Clear 1988).
     SplitSphere,
-    /// The same, bounded by the gradient and by the size of a pixel, and a linear weight (Tabellion and Lamorlette 2004).
+    /// The same, bounded by the gradient and by the size of a pixel, and a linear weight (Tabellion and Lamorlette
+    /// 2004).
     Bounded,
     /// An ellipse by the second derivatives of irradiance (Schwarzhaupt, Wann Jensen and Jarosz 2012).
     Hessian,

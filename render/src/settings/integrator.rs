@@ -38,8 +38,8 @@ pub struct PathOptions {
     pub lights: LightSampling,
     /// The stopping rule before [`max_depth`](Self::max_depth).
     pub stop: Stop,
-    /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what is
-    /// brighter is scaled down. More than 0. It removes fireflies, and light.
+    /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what
+    /// is brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
     /// Path guiding: the number of paths, 1024 to 8,388,608, for training before the picture; `None` to sample closures
     /// alone. It pays where light enters through a narrow opening; the picture's mean does not depend on it.
@@ -54,7 +54,7 @@ pub enum LightSampling {
     Naive,
     /// Light samples at each surface.
     Direct,
-    /// Both ways, weighted by the power heuristic (Veach 1997).
+    /// Both, weighted by the power heuristic (Veach 1997).
     Mis,
 }
 
@@ -96,7 +96,7 @@ pub enum Survival {
 pub struct MonteCarloOptions {
     /// Bounces of indirect light; 0 is direct light alone.
     pub bounces: u32,
-    /// Rays that each surface on the way gathers with, at least 1.
+    /// Rays that each surface on a path gathers with, at least 1.
     pub rays: u32,
     /// The sampling of their directions.
     pub sampling: HemisphereSampling,
@@ -232,9 +232,9 @@ impl PathOptions {
     /// Paths from which a guide is learned unless another number is given.
     pub const GUIDE_PATHS: u32 = 1 << 19;
     /// The fewest: too few for any guide.
-    pub const LEAST_GUIDE_PATHS: u32 = 1 << 10;
+    pub const MIN_GUIDE_PATHS: u32 = 1 << 10;
     /// The most: some gigabytes of memory.
-    pub const MOST_GUIDE_PATHS: u32 = 1 << 23;
+    pub const MAX_GUIDE_PATHS: u32 = 1 << 23;
 
     /// A guided path's throughput is the smaller, the more light there is where it goes.
     fn check(&self) -> Result<(), Invalid> {

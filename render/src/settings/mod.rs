@@ -50,7 +50,8 @@ pub struct Settings {
     pub halves: bool,
     /// The Cryptomatte layers of the picture.
     pub cryptomatte: Cryptomatte,
-    /// Light by light path expressions, each in channels of its own, with different names. The integrator must be `path`.
+    /// Light by light path expressions, each in channels of its own, with different names. The integrator must be
+    /// `path`.
     pub aovs: Vec<Aov>,
     /// Whether the light of each light group has channels of its own, too.
     pub light_groups: bool,

@@ -91,7 +91,7 @@ fn closed(runner: &Runner, solid: &[Corners]) -> Result<Outcome, Interrupted> {
 
 /// Driscoll's graph: the error in per cent when light has bounced `k` times, direct light being the first.
 fn bounces(runner: &Runner) -> Result<Outcome, Interrupted> {
-    const MOST: u32 = 16;
+    const MAX_BOUNCES: u32 = 16;
     // Without any bounce, emitters alone are seen, which `montecarlo` does not offer.
     let gathered = |sampling| {
         move |bounces: u32| {
@@ -116,11 +116,11 @@ fn bounces(runner: &Runner) -> Result<Outcome, Interrupted> {
         ("path of fixed length, box", &square, 1, &paths),
     ];
     let residual = |bounces: f64| 100.0 * exact::furnace_residual(REFLECTANCE.into(), bounces as u32);
-    let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, MOST.into(), MOST + 1), residual)];
+    let mut series = vec![Series::exact("exact: ρᵏ⁺¹", span(0.0, MAX_BOUNCES.into(), MAX_BOUNCES + 1), residual)];
     let mut z = Vec::new();
     for (label, room, spp, integrator) in estimators {
         let mut points = Vec::new();
-        for bounces in 0..=MOST {
+        for bounces in 0..=MAX_BOUNCES {
             let Some(integrator) = integrator(bounces) else { continue };
             let settings =
                 Settings { width: 64, height: 64, spp: runner.share(spp), integrator, ..Settings::default() };
@@ -134,7 +134,7 @@ fn bounces(runner: &Runner) -> Result<Outcome, Interrupted> {
     let figure = Figure {
         name: "furnace-bounces",
         title: "What k bounces leave out in closed rooms that glow, ρ = 0.5".to_owned(),
-        x: Axis::linear("bounces k", -0.5, f64::from(MOST) + 0.5),
+        x: Axis::linear("bounces k", -0.5, f64::from(MAX_BOUNCES) + 0.5),
         y: Axis::logarithmic("error of the mean (% of the exact radiance)", 1e-4, 100.0),
         series,
     };

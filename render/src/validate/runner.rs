@@ -3,6 +3,7 @@
 use std::cell::Cell;
 
 use crate::driver;
+use crate::scene::fnv;
 use crate::settings::Filter;
 use crate::settings::Settings;
 use crate::watch::Watch;
@@ -46,10 +47,8 @@ impl<'a> Runner<'a> {
 
     /// The lab with random numbers that belong to `name`: so experiments come out the same in any company.
     pub(super) fn for_experiment(&self, name: &str) -> Self {
-        // The 64-bit FNV-1a hash.
-        let hash = |hash: u64, byte: u8| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01B3);
-        let bytes = self.seed.to_le_bytes().into_iter().chain(name.bytes());
-        Self { seed: bytes.fold(0xCBF2_9CE4_8422_2325, hash), renders: Cell::new(0), ..*self }
+        let seed = fnv(&[&self.seed.to_le_bytes()[..], name.as_bytes()].concat());
+        Self { seed, renders: Cell::new(0), ..*self }
     }
 
     /// Selects the random numbers of experiments that need more than renders.

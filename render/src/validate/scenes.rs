@@ -90,7 +90,7 @@ pub(super) fn moved(triangles: &[Corners], by: Vec3) -> Vec<Corners> {
     triangles.iter().map(|corners| corners.map(|corner| corner + by)).collect()
 }
 
-/// A mesh of triangles of the scene's material of this number.
+/// A mesh of triangles of the scene's material of this index.
 pub(super) fn mesh(triangles: &[Corners], material: usize) -> Mesh {
     let corners = (0..triangles.len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
     Mesh { positions: triangles.concat(), triangles: corners.collect(), material, ..Mesh::default() }

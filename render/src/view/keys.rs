@@ -5,7 +5,8 @@ use super::session::{Command, Page};
 /// Radians: sixteen taps for a right angle, quick when they repeat.
 const TURN: f64 = 0.1;
 const STEP: f64 = 0.05;
-const CLOSER: f64 = 0.9;
+/// The part of the distance to the target that a tap of + or a step of the wheel leaves.
+pub const ZOOM_STEP: f64 = 0.9;
 const STOPS: f32 = 0.5;
 /// Lines of a page of text.
 const PAGE: isize = 20;
@@ -44,8 +45,8 @@ pub fn command(key: &str, shift: bool) -> Option<Command> {
         "ArrowRight" => turn(1.0, 0.0),
         "ArrowUp" => turn(0.0, 1.0),
         "ArrowDown" => turn(0.0, -1.0),
-        "+" | "=" => Command::Zoom(CLOSER),
-        "-" => Command::Zoom(1.0 / CLOSER),
+        "+" | "=" => Command::Zoom(ZOOM_STEP),
+        "-" => Command::Zoom(1.0 / ZOOM_STEP),
         "0" | "Home" => Command::Home,
         "f" => Command::LookAtPicked,
         "s" => Command::Save,

@@ -64,8 +64,8 @@ impl Layer {
         Self { name: name.to_owned(), channels: channels.into(), kind: Kind::Light, needs_aov }
     }
 
-    /// The layers that pictures of a world can have with these settings: the picture itself, AOVs by light path expressions,
-    /// and those of `--aov`.
+    /// The layers that pictures of a world can have with these settings: the picture itself, AOVs by light path
+    /// expressions, and those of `--aov`.
     pub fn all(world: &World, settings: &Settings) -> Vec<Self> {
         let picture = match settings.integrator.name() {
             "heat" => Self::new("cost", Kind::Count, &["R"], false),
@@ -97,8 +97,8 @@ impl Layer {
         self.kind == Kind::Light
     }
 
-    /// The sRGB codes of a picture's pixels, row by row from the top; `bounds` are the scene's. Channels that are missing count
-    /// as 0.
+    /// The sRGB codes of a picture's pixels, row by row from the top; `bounds` are the scene's. Channels that are
+    /// missing count as 0.
     pub fn codes(&self, picture: &Picture, tone: &ToneMapping, bounds: (Vec3, Vec3)) -> Vec<[u8; 3]> {
         let count = picture.width as usize * picture.height as usize;
         let plane = |number: usize| {

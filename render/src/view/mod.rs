@@ -19,7 +19,7 @@ mod session;
 #[cfg(test)]
 mod tests;
 
-pub use keys::{HELP, command};
+pub use keys::{HELP, ZOOM_STEP, command};
 pub use layer::Layer;
 pub use orbit::{aim, look_at, orbit, pan, zoom};
 pub use outline::{OutlineLine, outline};

@@ -9,17 +9,17 @@ use glam::{DVec3, Vec3};
 use crate::scene::CameraPose;
 
 /// The greatest angle between the view and the horizon, radians: straight up and down would have no direction.
-const STEEPEST: f64 = 85.0 / 180.0 * std::f64::consts::PI;
+const MAX_ELEVATION: f64 = 85.0 / 180.0 * std::f64::consts::PI;
 /// The least and the greatest distance from the target, in parts of the scene's diagonal.
-const NEAREST: f64 = 1e-4;
-const FARTHEST: f64 = 1e3;
+const MIN_DISTANCE: f64 = 1e-4;
+const MAX_DISTANCE: f64 = 1e3;
 
 /// The same view with its target beside the middle of the box, to go around that.
 pub fn aim(pose: CameraPose, (lower, upper): (Vec3, Vec3)) -> CameraPose {
     let (eye, view) = (pose.eye.as_dvec3(), view(&pose));
     let middle = 0.5 * (lower.as_dvec3() + upper.as_dvec3());
     let distance = (middle - eye).dot(view);
-    let is_ahead = distance > NEAREST * (upper - lower).as_dvec3().length();
+    let is_ahead = distance > MIN_DISTANCE * (upper - lower).as_dvec3().length();
     if is_ahead { CameraPose { target: (eye + distance * view).as_vec3(), ..pose } } else { pose }
 }
 
@@ -32,7 +32,7 @@ pub fn orbit(pose: CameraPose, azimuth: f64, elevation: f64) -> CameraPose {
     let flat = from - up * height;
     let ahead = if flat.length() > 1e-6 * distance { flat.normalize() } else { up.any_orthonormal_vector() };
     let turned = ahead * azimuth.cos() + up.cross(ahead) * azimuth.sin();
-    let angle = ((height / distance).clamp(-1.0, 1.0).asin() + elevation).clamp(-STEEPEST, STEEPEST);
+    let angle = ((height / distance).clamp(-1.0, 1.0).asin() + elevation).clamp(-MAX_ELEVATION, MAX_ELEVATION);
     let offset = distance * (turned * angle.cos() + up * angle.sin());
     CameraPose { eye: (pose.target.as_dvec3() + offset).as_vec3(), ..pose }
 }
@@ -41,7 +41,7 @@ pub fn orbit(pose: CameraPose, azimuth: f64, elevation: f64) -> CameraPose {
 pub fn zoom(pose: CameraPose, factor: f64, diagonal: f32) -> CameraPose {
     let from = pose.eye.as_dvec3() - pose.target.as_dvec3();
     let (distance, diagonal) = (from.length(), f64::from(diagonal));
-    let within = (factor * distance).clamp(NEAREST * diagonal, FARTHEST * diagonal);
+    let within = (factor * distance).clamp(MIN_DISTANCE * diagonal, MAX_DISTANCE * diagonal);
     CameraPose { eye: (pose.target.as_dvec3() + from * (within / distance)).as_vec3(), ..pose }
 }
 
@@ -59,7 +59,7 @@ pub fn pan(pose: CameraPose, right: f64, up: f64) -> CameraPose {
 pub fn look_at(pose: CameraPose, point: Vec3) -> CameraPose {
     let turned = CameraPose { target: point, ..pose };
     let ahead = (point.as_dvec3() - pose.eye.as_dvec3()).normalize_or_zero();
-    let is_across = ahead.cross(pose.up.as_dvec3().normalize()).length() > STEEPEST.cos();
+    let is_across = ahead.cross(pose.up.as_dvec3().normalize()).length() > MAX_ELEVATION.cos();
     if is_across { turned } else { pose }
 }
 

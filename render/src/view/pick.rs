@@ -25,11 +25,11 @@ pub struct Pick {
 /// A surface under a pixel's middle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PickedSurface {
-    /// The object's name, or its number.
+    /// The object's name, or its index.
     pub object: String,
     /// Its material's.
     pub material: String,
-    /// The triangle's number in its object, from 0.
+    /// The triangle's index in its object, from 0.
     pub triangle: u32,
     /// Where, in world space.
     pub position: Vec3,

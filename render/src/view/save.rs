@@ -94,7 +94,8 @@ impl CameraFile {
     }
 }
 
-/// The keys of `[camera]` that make a camera of this pose and these optics, as `options` made it of whatever the model has.
+/// The keys of `[camera]` that make a camera of this pose and these optics, as `options` made it of whatever the model
+/// has.
 pub fn optics_keys(pose: &CameraPose, optics: &Optics, options: &CameraOverrides) -> Vec<(&'static str, String)> {
     let mut keys = options.keys();
     let has = |keys: &[(&str, String)], key: &str| keys.iter().any(|(name, _)| *name == key);

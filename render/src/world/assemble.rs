@@ -131,7 +131,7 @@ struct TriangleTable<'a> {
     materials: &'a [Material],
     records: Vec<TriangleRecord>,
     bulges: Vec<Convexity>,
-    /// The number of each mesh's first triangle.
+    /// The index of each mesh's first triangle.
     first_faces: Vec<u32>,
 }
 
@@ -140,7 +140,7 @@ impl<'a> TriangleTable<'a> {
         Self { meshes, materials, records: Vec::new(), bulges: Vec::new(), first_faces: vec![0; meshes.len()] }
     }
 
-    /// Adds the meshes of these numbers, and gives the corners of their triangles.
+    /// Adds the meshes of these indices, and gives the corners of their triangles.
     fn add(&mut self, numbers: &[usize]) -> Vec<Triangle> {
         let corners = |&number: &usize| {
             let mesh = &self.meshes[number];

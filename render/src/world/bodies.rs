@@ -65,7 +65,8 @@ impl World {
     }
 
     /// The meshes of bodies that are inside out, in the scene's order: closed pieces wound inwards that are no rooms. A
-    /// room has a light or something else inside, or glows itself; a piece within a body is the inner wall of a hollow one.
+    /// room has a light or something else inside, or glows itself; a piece within a body is the inner wall of a hollow
+    /// one.
     pub(crate) fn inside_out(&self) -> Vec<usize> {
         let (pieces, lights) = (self.pieces(), self.light_positions());
         let may_be = |&prim: &u32| {
@@ -126,8 +127,8 @@ impl World {
         pieces
     }
 
-    /// Six times the volume of a closed piece, each edge of which is passed as often in both directions; it is negative if the
-    /// triangles are wound inwards.
+    /// Six times the volume of a closed piece, each edge of which is passed as often in both directions; it is negative
+    /// if the triangles are wound inwards.
     fn volume(&self, piece: &Piece) -> Option<f64> {
         let mut balance: HashMap<[Key; 2], i32> = HashMap::new();
         let origin = piece.bounds.min.as_dvec3();
@@ -174,7 +175,8 @@ impl World {
         })
     }
 
-    /// Whether a closed piece, wound outwards or inwards, goes round a point, by its solid angle (van Oosterom and Strackee 1983).
+    /// Whether a closed piece, wound outwards or inwards, goes round a point, by its solid angle (van Oosterom and
+    /// Strackee 1983).
     fn is_inside(&self, piece: &Piece, point: Vec3) -> bool {
         let solid_angle = |&prim: &u32| {
             let corners = self.triangle_records[prim as usize].corners;

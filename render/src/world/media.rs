@@ -46,8 +46,8 @@ impl World {
         !self.solids.absorption.is_empty()
     }
 
-    /// What a material absorbs inside, in one by the scene's unit of length; `None` if it is not that of a solid which light
-    /// passes through, or nothing absorbs.
+    /// What a material absorbs inside, in one by the scene's unit of length; `None` if it is not that of a solid which
+    /// light passes through, or nothing absorbs.
     pub(crate) fn absorption(&self, material: u32) -> Option<Vec3> {
         self.solids.absorption.get(material as usize).copied().flatten()
     }

@@ -13,7 +13,8 @@ use super::{Hit, World};
 const CHUNK: usize = 1024;
 
 impl World {
-    /// The nearest hit of each ray in the middle of the shutter's time, [`Hit::MISS`] for none. Rays pass through holes.
+    /// The nearest hit of each ray in the middle of the shutter's time, [`Hit::MISS`] for none. Rays pass through
+    /// holes.
     pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
         self.intersect_many_at(rays, &[], hits);
     }
@@ -118,7 +119,7 @@ impl World {
         occluded[0]
     }
 
-    /// The number of a triangle among those of its mesh.
+    /// The index of a triangle among those of its mesh.
     pub(super) fn index_in_mesh(&self, prim_id: u32) -> usize {
         (prim_id - self.first_faces[self.triangle_records[prim_id as usize].mesh as usize]) as usize
     }

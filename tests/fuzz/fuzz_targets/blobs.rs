@@ -1,5 +1,6 @@
-//! Blobs of any bytes, and blobs that were right before bytes of theirs were changed, with the right checksum nevertheless:
-//! refused, or traced to the hits of the triangles that they hold. Blobs of scenes likewise, against the loops.
+//! Blobs of any bytes, and blobs that were right before bytes of theirs were changed, with the right checksum
+//! nevertheless: refused, or traced to the hits of the triangles that they hold. Blobs of scenes likewise, against the
+//! loops.
 #![no_main]
 
 use std::sync::{Arc, LazyLock};
@@ -102,7 +103,7 @@ fn change(blob: &mut Blob, bytes: &mut Bytes) {
 fn trace_scene(blob: &[u8], bytes: &mut Bytes) {
     // Two triangles may have one index by now, so that weights may be of either.
     let first = |scene: &SceneView, ray: &SceneRay| {
-        scene.intersect(ray).map(|hit| (hit.hit.t, hit.hit.prim_id, hit.geometry_id, hit.path))
+        scene.intersect(ray).map(|hit| (hit.hit.t, hit.hit.prim_id, hit.item, hit.path))
     };
     let loaded = Scene::from_bytes(blob);
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -137,7 +138,7 @@ fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Option<Resul
         Ok(first) => first,
         Err(error) => return Some(Err(error)),
     };
-    match blob.scenes() {
+    match blob.scene_count() {
         1 => Some(Ok(look(&first))),
         2 => {
             let inner = [first];

@@ -2,7 +2,7 @@
 //!
 //!     cargo run --release -p halfdome-tests --bin soak -- RAYS [THREADS]
 //!
-//! The rays depend on their number alone. Progress goes to stderr, differences to stdout; the exit code is 5 if there is
+//! The rays depend on their index alone. Progress goes to stderr, differences to stdout; the exit code is 5 if there is
 //! one, and 1 for arguments that make no sense.
 #![forbid(unsafe_code)]
 
@@ -81,7 +81,7 @@ fn soak(seed: u64, isas: &[Isa], differences: &AtomicU64) -> u64 {
         let rays: Vec<Ray> = (0..BATCH).map(|_| ray(&mut random, &triangles)).collect();
         let expected: Vec<Option<Hit>> = rays.iter().map(|ray| reference::intersect_all(&triangles, ray)).collect();
         found += expected.iter().flatten().count() as u64;
-        // Every way on every instruction set comes round; the scalar reference, which is slow, once.
+        // Every method on every instruction set comes round; the scalar reference, which is slow, once.
         let (scalar, others) = isas.split_first().expect("scalar code runs everywhere");
         let isa = if batch == 0 { *scalar } else { others[batch % others.len()] };
         let (hits, occluded) = trace(&bvh.view().with_isa(isa), &rays, batch / others.len());
@@ -102,9 +102,9 @@ fn soak(seed: u64, isas: &[Isa], differences: &AtomicU64) -> u64 {
     found
 }
 
-/// The hits of rays, and whether they hit anything, by one of the ways.
-fn trace(tree: &BvhView, rays: &[Ray], way: usize) -> (Vec<Option<Hit>>, Vec<bool>) {
-    match way % 7 {
+/// The hits of rays, and whether they hit anything, by one of the methods.
+fn trace(tree: &BvhView, rays: &[Ray], method: usize) -> (Vec<Option<Hit>>, Vec<bool>) {
+    match method % 7 {
         0 => {
             let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
             tree.intersect_many(rays, &mut hits);
@@ -168,8 +168,8 @@ fn has_corners([a, b, c]: &Triangle) -> bool {
     a != b && b != c && c != a
 }
 
-/// A ray to a corner, an edge, a face or past it, from afar, from nearby or from another triangle's corner, aslant, along
-/// an axis or a diagonal.
+/// A ray to a corner, an edge, a face or past it, from afar, from nearby or from another triangle's corner, aslant,
+/// along an axis or a diagonal.
 fn ray(random: &mut Pcg, triangles: &[Triangle]) -> Ray {
     let Some(triangle) = triangles.get(random.below(triangles.len().max(1))) else {
         return Ray::new(random.in_cube().as_vec3(), random.on_sphere().as_vec3());

@@ -47,10 +47,6 @@ fn colors(path: &Path) -> Vec<Vec<f32>> {
     ["R", "G", "B"].map(|name| picture.channel(name).unwrap().values.clone()).to_vec()
 }
 
-fn names(program: &Program) -> Vec<String> {
-    program.files().into_keys().map(|name| name.into_string().unwrap()).collect()
-}
-
 #[test]
 fn each_preset_writes_its_files_and_nothing_else() {
     for (preset, files) in [
@@ -60,7 +56,7 @@ fn each_preset_writes_its_files_and_nothing_else() {
     ] {
         in_folder(|program| {
             succeed(&bake(program, &format!("--preset {preset}")));
-            assert_eq!(names(program), files);
+            assert_eq!(program.names(), files);
             let baked: Value = serde_json::from_slice(&fs::read(program.folder.join("out.gltf")).unwrap()).unwrap();
             let original = level();
             assert_eq!(baked["materials"][0]["extras"], original["materials"][0]["extras"]);
@@ -279,7 +275,7 @@ fn wrong_input_is_named() {
             assert_eq!(outcome.code, Some(1), "{line}: {}", outcome.stderr);
             assert!(outcome.stderr.contains(told), "{line}: {}", outcome.stderr);
         }
-        assert_eq!(names(program), ["dark.gltf", "level.gltf"]);
+        assert_eq!(program.names(), ["dark.gltf", "level.gltf"]);
         // A map that would be black is no error, but it is not silent.
         let dark = program.run_line(&format!("bake dark.gltf -o out.gltf {SMALL}"));
         assert_eq!(dark.code, Some(0));

@@ -24,7 +24,8 @@ fn sliding(mut scene: Scene, by: Vec3, keys: usize) -> Scene {
     scene
 }
 
-/// A disc of radius 0.4 that slides by one unit over a film of two: a point at (x, y) is covered while the chord at y passes.
+/// A disc of radius 0.4 that slides by one unit over a film of two: a point at (x, y) is covered while the chord at y
+/// passes.
 #[test]
 fn a_disc_that_slides_covers_each_pixel_for_as_long_as_it_is_there() {
     const SIDE: u32 = 32;
@@ -71,7 +72,8 @@ fn a_slow_shutter_fades_the_edges() {
         let column = ((x + 1.0) * 20.0) as usize;
         (0..40).map(|row| picture[40 * row + column].x).sum::<f64>() / 40.0
     };
-    // 0.04 of the way, as long as it is at 0.025 off the middle or the end, where the openness is 1/(1 - r), and 0.025/r of it.
+    // 0.04 of the way, as long as it is at 0.025 off the middle or the end, where the openness is 1/(1 - r), and
+    // 0.025/r of it.
     let even = at(&scene, 0.025);
     assert!((even - 0.04).abs() < 0.0005, "{even}");
     scene.motion.as_mut().unwrap().ramp = 0.25;

@@ -7,7 +7,8 @@ use crate::model;
 
 const CAMERA: &str = "--size 6x6 --spp 1 --sky 1 --eye 0.2,0.2,3 --target 0.2,0.2,0 --vfov 30";
 
-/// A desk with `m.glb`, whose triangle has gone by one along x at frame 2 (of 24 a second), and `m.toml`, which is at frame 2.
+/// A desk with `m.glb`, whose triangle has gone by one along x at frame 2 (of 24 a second), and `m.toml`, which is at
+/// frame 2.
 fn desk() -> Desk {
     let desk = Desk::new();
     let mut document = model::document();

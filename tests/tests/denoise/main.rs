@@ -24,7 +24,8 @@ fn names(group: &str, ends: [&str; 3]) -> [String; 3] {
 const COLORS: [&str; 3] = ["R", "G", "B"];
 const AXES: [&str; 3] = ["X", "Y", "Z"];
 
-/// A picture without noise with the channels that denoisers read: colours by a function, albedos equal to them, one normal.
+/// A picture without noise with the channels that denoisers read: colours by a function, albedos equal to them, one
+/// normal.
 fn picture(width: u32, height: u32, color: impl Fn(u32, u32) -> [f32; 3]) -> Picture {
     let mut channels = Vec::new();
     let mut add = |group: &str, ends: [&str; 3], value: &dyn Fn(u32, u32) -> [f32; 3]| {

@@ -81,7 +81,8 @@ fn the_error_is_never_higher_and_soon_much_lower() {
     }
 }
 
-/// A wall and a darker one, which get most of their light in one pixel of 16 to 40; a lamp that has no noise; a black edge.
+/// A wall and a darker one, which get most of their light in one pixel of 16 to 40; a lamp that has no noise; a black
+/// edge.
 #[test]
 fn rare_bright_samples_keep_their_light() {
     rare_bright_samples(1.0);

@@ -190,7 +190,8 @@ fn glass_and_mirrors_lose_no_light() {
     }
 }
 
-/// What needs a rule of its own elsewhere: a lamp in a mirror, and behind a pane. All ways to find light show it alike.
+/// What needs a rule of its own elsewhere: a lamp in a mirror, and behind a pane. All techniques that find light show
+/// it alike.
 #[test]
 fn lamps_are_seen_in_mirrors_and_through_panes() {
     let emission = Vec3::new(5.0, 4.0, 3.0);

@@ -43,7 +43,7 @@ fn an_open_floor_sends_back_its_share_of_the_sky() {
     let paths = ALL_LIGHTS.map(|lights| path(lights, Stop::default()));
     for integrator in [direct, gathered].into_iter().chain(paths) {
         let what = format!("{integrator:?}");
-        // Both of Mis's ways have the same density here: each finds half of the light, in every sample.
+        // Both of Mis's techniques have the same density here: each finds half of the light, in every sample.
         all_are(&render(&scene, &settings(integrator, 4)), reflectance * sky, 1e-5, &what);
     }
     scene.camera = peephole(Vec3::Z, Vec3::Z * 2.0);

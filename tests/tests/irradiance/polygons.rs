@@ -67,8 +67,8 @@ fn errors(layout: &dyn Layout, count: u64) -> [[f64; 2]; 3] {
 
 #[test]
 fn errors_are_small_and_fall_as_strata_double() {
-    // Medians and 95th percentiles of the relative errors of E, ∇_r and ∇_t. Of the finest strata it takes more quads: the
-    // percentile of ∇_r of 400 is anything from 1.0 to 1.4%, 1.2% in the mean.
+    // Medians and 95th percentiles of the relative errors of E, ∇_r and ∇_t. Of the finest strata it takes more quads:
+    // the percentile of ∇_r of 400 is anything from 1.0 to 1.4%, 1.2% in the mean.
     let bounds = [
         (20, 63, 400, [[0.03, 0.12], [0.04, 0.2], [0.13, 0.7]]),
         (40, 126, 400, [[0.008, 0.04], [0.014, 0.07], [0.05, 0.32]]),

@@ -21,8 +21,8 @@ fn mean(values: &[Vec3]) -> f64 {
     values.iter().map(|value| f64::from(value.element_sum())).sum::<f64>() / (3 * values.len()) as f64
 }
 
-/// The root mean square error relative to the mean of what is expected, which has independent noise of its own if there are
-/// two of it.
+/// The root mean square error relative to the mean of what is expected, which has independent noise of its own if there
+/// are two of it.
 fn error(found: &[Vec3], expected: [&[Vec3]; 2]) -> f64 {
     let squares = found.iter().zip(expected[0]).zip(expected[1]);
     let squares = squares.map(|((x, a), b)| f64::from((*x - *a).dot(*x - *b)) / 3.0);

@@ -7,7 +7,7 @@ use std::io::Write as _;
 use std::process::Stdio;
 
 use halfdome_kernel::{Isa, Level};
-use halfdome_tests::program::{Outcome, Program};
+use halfdome_tests::program::{Program, succeed};
 
 const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
 
@@ -18,10 +18,6 @@ const SMALL: &str = "--record-rays 64 --cache-error 0.5 --progress none";
 fn in_folder(test: impl FnOnce(&Program)) {
     let folder = tempfile::tempdir().unwrap();
     test(&Program { executable: EXECUTABLE, folder: folder.path() });
-}
-
-fn succeed(outcome: &Outcome) {
-    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
 }
 
 fn build(program: &Program, name: &str, options: &str) -> Vec<u8> {

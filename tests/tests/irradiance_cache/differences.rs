@@ -1,5 +1,5 @@
-//! Gradients of records against finite differences of long path tracing, whose paths at both ends of a step use the same
-//! random numbers, so that most of their noise goes away with the difference.
+//! Gradients of records against finite differences of long path tracing, whose paths at both ends of a step use the
+//! same random numbers, so that most of their noise goes away with the difference.
 //!
 //! The sums of a gather have a bias that goes with the width of its cells: for an edge they only have its two cells,
 //! and for a cell one distance. Where the back wall begins to see the top of the tall block it is large: of 1,250,

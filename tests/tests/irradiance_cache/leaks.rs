@@ -1,5 +1,5 @@
-//! Light must not come through walls: black rooms on a plain under a sky of radiance 1, in which there is none, among sensors
-//! that lie closely on both sides of their walls.
+//! Light must not come through walls: black rooms on a plain under a sky of radiance 1, in which there is none, among
+//! sensors that lie closely on both sides of their walls.
 
 use std::f32::consts::PI;
 
@@ -87,8 +87,8 @@ fn light_stays_outside() {
     }
 }
 
-/// Sky beside and under the edge of a plate at a height of h that goes on to one side: at a distance of d from below the
-/// edge, `E = π/2 (1 + d/√(d² + h²))`. Whoever stands outside hardly sees the gap, and must not light it.
+/// Sky beside and under the edge of a plate at a height of h that goes on to one side: at a distance of d from below
+/// the edge, `E = π/2 (1 + d/√(d² + h²))`. Whoever stands outside hardly sees the gap, and must not light it.
 #[test]
 fn a_gap_stays_dark() {
     for height in [0.02f32, 0.1] {
@@ -115,8 +115,8 @@ fn a_gap_stays_dark() {
     }
 }
 
-/// Sky over a black wall of height 2 at a distance of a, `E = π/2 (1 + a/√(a² + 4))`: however long the wall is and wide the
-/// plain, records are as near to each other as someone asks for light.
+/// Sky over a black wall of height 2 at a distance of a, `E = π/2 (1 + a/√(a² + 4))`: however long the wall is and wide
+/// the plain, records are as near to each other as someone asks for light.
 #[test]
 fn a_wide_world_is_no_rough_one() {
     for half in [50.0, 1000.0, 20_000.0] {

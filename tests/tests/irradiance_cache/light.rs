@@ -54,8 +54,8 @@ fn a_furnace_has_its_exact_irradiance() {
         .map(|i| Sensor { position: vec3(0.1 * i as f32, -2.0 + 0.08 * i as f32, 0.0), normal: Vec3::Z })
         .collect();
     for layout in GatherLayout::ALL {
-        // Runs, and the bound of their mean's error. Without a number of reflections, paths end by chance, and it takes more
-        // runs. With four, each has a cache of its own, and a run takes ten times as long as with two.
+        // Runs, and the bound of their mean's error. Without a number of reflections, paths end by chance, and it takes
+        // more runs. With four, each has a cache of its own, and a run takes ten times as long as with two.
         let cases = [
             (None, 1.0, (72, 0.003)),
             (Some(1), 0.5, (20, 0.001)),

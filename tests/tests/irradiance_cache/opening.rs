@@ -15,8 +15,8 @@ const LID: f64 = 2.0;
 /// Where the walls are.
 const WALL: f64 = 4.0;
 
-/// A black room with walls at ±4, its lid at z = 2 open between two corners, under a sky of radiance 1; `more` are black
-/// rectangles inside. All of it is turned about the z axis.
+/// A black room with walls at ±4, its lid at z = 2 open between two corners, under a sky of radiance 1; `more` are
+/// black rectangles inside. All of it is turned about the z axis.
 fn room(lower: [f64; 2], upper: [f64; 2], more: &[[DVec3; 4]], turns: f64) -> World {
     let rectangle =
         |x0: f64, y0: f64, x1: f64, y1: f64| [(x0, y0), (x1, y0), (x1, y1), (x0, y1)].map(|(x, y)| dvec3(x, y, LID));
@@ -68,7 +68,8 @@ fn mean(world: &World, position: DVec3, layout: GatherLayout, rays: u32, seeds: 
     (sum.0 / seeds as f64, sum.1 / seeds as f64)
 }
 
-/// The half-plane x < 0 at z = 1 under an opening [-1, 1]²: as the point moves, so does the shadow's edge, twice as fast.
+/// The half-plane x < 0 at z = 1 under an opening [-1, 1]²: as the point moves, so does the shadow's edge, twice as
+/// fast.
 #[test]
 fn an_occluder_before_the_opening() {
     let half_plane = [(-3.9, -3.9), (0.0, -3.9), (0.0, 3.9), (-3.9, 3.9)].map(|(x, y)| dvec3(x, y, 1.0));
@@ -107,8 +108,8 @@ fn gradients_are_those_of_finite_differences() {
     }
 }
 
-/// A texel's direction has no chance in it: where the room turns by a quarter, so does the gradient, to the last digits.
-/// One edge of the opening stands over φ = 0, where the last sector meets the first.
+/// A texel's direction has no chance in it: where the room turns by a quarter, so does the gradient, to the last
+/// digits. One edge of the opening stands over φ = 0, where the last sector meets the first.
 #[test]
 fn a_turned_room_has_turned_gradients() {
     let gradients = [0.0, 0.25, 0.5, 0.75].map(|turns| {

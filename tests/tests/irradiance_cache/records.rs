@@ -96,8 +96,8 @@ fn records_are_as_dense_as_the_error_demands() {
     assert!(fine > 2 * coarse && fine < 5 * coarse, "{fine} and {coarse} records");
 }
 
-/// The deviation that records tell is that of irradiance over seeds; cells beside an edge see different things, so it may be
-/// too much.
+/// The deviation that records tell is that of irradiance over seeds; cells beside an edge see different things, so it
+/// may be too much.
 #[test]
 fn records_know_their_noise() {
     const SEEDS: u64 = 48;

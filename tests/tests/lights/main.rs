@@ -196,7 +196,8 @@ fn under_a_constant_sky_a_plane_has_its_reflectance_times_the_sky() {
 }
 
 /// A picture of a constant sky is sampled otherwise than the sky itself, and lights alike; so does one in which all
-/// light comes from a cap of 45 degrees about the zenith, whose irradiance would be `π L sin² 45°` if its border were sharp.
+/// light comes from a cap of 45 degrees about the zenith, whose irradiance would be `π L sin² 45°` if its border were
+/// sharp.
 #[test]
 fn a_picture_lights_as_its_sky_does() {
     let radiance = Vec3::new(0.5, 1.0, 3.0);

@@ -181,7 +181,8 @@ fn pictures_with_aimed_paths_do_not_depend_on_threads() {
 const SENSORS: [([f32; 3], Vec3); 3] =
     [([2.6, 2.9, 1.5], Vec3::NEG_Y), ([1.0, 0.1, 3.0], Vec3::Y), ([0.1, 1.0, 2.0], Vec3::X)];
 
-/// The mean at each sensor over seeds, by a world that looks for lit triangles from sensors or, from nowhere, finds none.
+/// The mean at each sensor over seeds, by a world that looks for lit triangles from sensors or, from nowhere, finds
+/// none.
 fn sensed(from: LightQuery, seeds: u64, sense: impl Fn(&World, &Sensor, u64) -> Vec3) -> Vec<Estimate> {
     let world = World::for_light_query(room(&Bulb::Point, material(Vec3::splat(0.8), Vec3::ZERO)), from).unwrap();
     let at = |(position, normal): ([f32; 3], Vec3)| {

@@ -9,7 +9,7 @@ use halfdome::output::{Map, encode_hdr, read_exr};
 use halfdome_tests::program::Program;
 use serde_json::Value;
 
-use crate::{in_folder, names, refuse, succeed};
+use crate::{in_folder, refuse, succeed};
 
 /// A picture of all directions that is brighter above and on the right, with a sun.
 fn put_environment(program: &Program) {
@@ -39,7 +39,7 @@ fn every_format_has_all_levels_and_faces() {
         let mut expected: Vec<String> = files.iter().map(|file| (*file).to_owned()).collect();
         expected.extend(["map.json".to_owned(), "studio.hdr".to_owned()]);
         expected.sort();
-        assert_eq!(names(program), expected);
+        assert_eq!(program.names(), expected);
         assert!(
             files.contains(&"map-pz.hdr") && files.contains(&"map-diffuse-ny.hdr") && files.contains(&"map-nx-2.hdr")
         );

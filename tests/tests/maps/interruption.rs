@@ -3,7 +3,7 @@
 
 use std::io::{BufRead as _, BufReader};
 
-use crate::{in_folder, names};
+use crate::in_folder;
 
 #[test]
 fn what_was_stopped_writes_nothing() {
@@ -24,7 +24,7 @@ fn what_was_stopped_writes_nothing() {
                 );
                 let status = child.wait().unwrap();
                 assert_eq!(status.code(), (signal == "INT").then_some(3), "{line}");
-                assert!(names(program).is_empty(), "{line}: {:?}", names(program));
+                assert!(program.names().is_empty(), "{line}: {:?}", program.names());
             });
         }
     }

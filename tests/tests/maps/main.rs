@@ -4,7 +4,7 @@ mod cubemap;
 mod interruption;
 mod probes;
 
-use halfdome_tests::program::{Outcome, Program};
+use halfdome_tests::program::{Program, succeed};
 
 const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
 
@@ -12,14 +12,6 @@ const EXECUTABLE: &str = env!("CARGO_BIN_EXE_halfdome-under-test");
 fn in_folder(test: impl FnOnce(&Program)) {
     let folder = tempfile::tempdir().unwrap();
     test(&Program { executable: EXECUTABLE, folder: folder.path() });
-}
-
-fn succeed(outcome: &Outcome) {
-    assert_eq!((outcome.code, outcome.stderr.as_str()), (Some(0), ""));
-}
-
-fn names(program: &Program) -> Vec<String> {
-    program.files().into_keys().map(|name| name.into_string().unwrap()).collect()
 }
 
 /// Each line must fail with the code 1 and say this and what would be right, and no file may be written.

@@ -8,7 +8,7 @@ use halfdome::output::read_exr;
 use halfdome_tests::program::Program;
 use serde_json::{Value, json};
 
-use crate::{in_folder, names, refuse, succeed};
+use crate::{in_folder, refuse, succeed};
 
 /// Options with which probes take little time.
 const SMALL: &str = "--rays 64 --spp 16 --progress none";
@@ -22,7 +22,7 @@ fn a_grid_is_written_in_every_format() {
     in_folder(|program| {
         let line = format!("probes cornell --grid 3x2x4 -o a.json -o a.exr -o a.ktx2 {SMALL}");
         succeed(&program.run_line(&line));
-        assert_eq!(names(program), ["a.exr", "a.json", "a.ktx2"]);
+        assert_eq!(program.names(), ["a.exr", "a.json", "a.ktx2"]);
         let document = read(program, "a.json");
         assert_eq!(document["grid"]["count"], json!([3, 2, 4]));
         assert_eq!(document["coefficients"], json!(["0", "1-1", "10", "11", "2-2", "2-1", "20", "21", "22"]));

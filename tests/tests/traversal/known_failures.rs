@@ -103,8 +103,8 @@ fn embree_423_a_segment_does_not_hit_what_its_box_does_not_touch() {
     assert!(apart > 100_000 && hits > 10_000, "{apart} {hits}");
 }
 
-/// Embree #416: a cuboid 120,000 high and up to 1.2e12 wide, looked at from 500 above; a hit that is not there was found
-/// close to its bottom.
+/// Embree #416: a cuboid 120,000 high and up to 1.2e12 wide, looked at from 500 above; a hit that is not there was
+/// found close to its bottom.
 #[test]
 fn embree_416_a_wide_cuboid_is_hit_at_its_top_and_bottom_alone() {
     for extent in [5.89075e8f32, 5.89075e9, 5.89075e10, 5.89075e11] {

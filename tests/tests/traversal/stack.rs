@@ -13,7 +13,8 @@ use halfdome_tests::check::isas;
 
 /// What the documentation promises.
 const STACK: usize = 32 << 10;
-/// What the thread takes for itself: its descriptor, thread-local memory, and the frames of this file (6.5 KiB by glibc).
+/// What the thread takes for itself: its descriptor, thread-local memory, and the frames of this file (6.5 KiB by
+/// glibc).
 const THREAD: usize = 8 << 10;
 
 /// A grid of `side` × `side` squares.

@@ -2,8 +2,8 @@
 //!
 //! `irradiance_curves [cornell] [room] [walls] [SCENE FILE] [--plots DIR]`. Scenes give the error of indirect light at
 //! what the camera sees, by paths and by caches of several kinds and errors; `walls` that of 96 x 96 sensors on each of
-//! three walls of the Cornell box, for which its lamp reflects nothing, as Radiance's do not. Times are of the process and
-//! of its children in user mode, on one thread; references, which do not count, take all threads.
+//! three walls of the Cornell box, for which its lamp reflects nothing, as Radiance's do not. Times are of the process
+//! and of its children in user mode, on one thread; references, which do not count, take all threads.
 
 mod radiance;
 

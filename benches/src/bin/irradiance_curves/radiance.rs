@@ -12,10 +12,10 @@ use halfdome::scene::Scene;
 
 /// Six reflections, and 1024 rays a record.
 const SETTINGS: [&str; 4] = ["-ab", "6", "-ad", "1024"];
-/// Further settings to measure. Radiance 6.0a uses a record as far as `-aa` times its radius, which is at most a fifth of
-/// the scene: with .1 that is 11 mm in the Cornell box, and every other sensor of a row, in every other row, gets a record
-/// of its own. With the fourth root of .1 and with .3 it uses its cache as one would expect; and without samples that each
-/// stand for much of the lamp, which are most of its error then, it is at its best.
+/// Further settings to measure. Radiance 6.0a uses a record as far as `-aa` times its radius, which is at most a fifth
+/// of the scene: with .1 that is 11 mm in the Cornell box, and every other sensor of a row, in every other row, gets a
+/// record of its own. With the fourth root of .1 and with .3 it uses its cache as one would expect; and without samples
+/// that each stand for much of the lamp, which are most of its error then, it is at its best.
 pub(crate) const ACCURACIES: [&[&str]; 4] =
     [&["-aa", ".5623"], &["-aa", ".3"], &["-aa", ".3", "-ds", ".05", "-dt", "0", "-dc", "1"], &["-aa", ".1"]];
 /// How far sensors are before their walls, in metres: Radiance must not take the wall for an occluder.

@@ -1,7 +1,8 @@
 //! Embree 4 through its C API, loaded at run time.
 //!
 //! Functions and constants are those of Embree 4.4's `rtcore_device.h`, `rtcore_scene.h`, `rtcore_geometry.h` and
-//! `rtcore_common.h`; what it reads and writes is in [`layout`](crate::layout). All unsafe code of the benchmarks is here.
+//! `rtcore_common.h`; what it reads and writes is in [`layout`](crate::layout). All unsafe code of the benchmarks is
+//! here.
 
 use std::error::Error;
 use std::ffi::{c_char, c_int, c_uint, c_void};
@@ -196,7 +197,8 @@ impl<'a> Scene<'a> {
     pub(crate) fn move_instances(&self, places: &[Affine3A]) {
         for (&instance, place) in self.instances.iter().zip(places) {
             let columns = place.to_cols_array();
-            // SAFETY: the handle is an instance's, and twelve numbers are what a matrix of three rows and four columns has.
+            // SAFETY: the handle is an instance's, and twelve numbers are what a matrix of three rows and four columns
+            // has.
             unsafe {
                 (self.api.set_transform)(instance, 0, FORMAT_FLOAT3X4_COLUMN_MAJOR, columns.as_ptr());
                 (self.api.commit_geometry)(instance);

@@ -10,7 +10,7 @@ use halfdome_benches::rays::RaySet;
 use halfdome_kernel::{Hit, Ray, Triangle};
 
 /// Rays that are judged at most: each is a loop over the scene.
-const MOST: usize = 256;
+const MAX_RAYS: usize = 256;
 /// Volumes smaller than this times their factors' lengths have no certain sign.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
@@ -27,10 +27,10 @@ pub(crate) struct Tally {
     pub(crate) edge: usize,
 }
 
-/// Judges the rays to which `ours` and `embree` have different answers, at most [`MOST`] of them.
+/// Judges the rays to which `ours` and `embree` have different answers, at most [`MAX_RAYS`] of them.
 pub(crate) fn tally(triangles: &[Triangle], set: &RaySet, ours: &Answers, embree: &Answers) -> Tally {
     let mut tally = Tally::default();
-    for number in ours.differing(embree).take(MOST) {
+    for number in ours.differing(embree).take(MAX_RAYS) {
         let truth = Truth::new(triangles, &set.rays[number]);
         let [ours, embree] = [ours, embree].map(|answers| match answers {
             Answers::Nearest(hits) => truth.allows(&hits[number]),

@@ -110,7 +110,8 @@ mod tests {
 
     use super::*;
 
-    /// The headers count a packet's fields in words of N lanes: `tfar` is the 8th, `Ng` the 12th, `instPrimID` the 20th.
+    /// The headers count a packet's fields in words of N lanes: `tfar` is the 8th, `Ng` the 12th, `instPrimID` the
+    /// 20th.
     #[test]
     fn fields_lie_where_the_headers_have_them() {
         fn check<const N: usize>() {

@@ -76,7 +76,7 @@ fn compare(scene: &Scene, embree: Option<&Embree>, options: &Options) -> Result<
     let start = Instant::now();
     let (bvh, _) = Bvh::build(&scene.triangles, &BuildOptions::default())?;
     let seconds = start.elapsed().as_secs_f64();
-    let mut builds = vec![Build { name: "halfdome", seconds, bytes: Some(bvh.statistics().bytes) }];
+    let mut builds = vec![Build { name: "halfdome", seconds, bytes: Some(bvh.statistics().memory_bytes) }];
     let trees = trees::build(&scene.triangles, embree)?;
     builds.extend(trees.iter().map(|tree| Build { name: tree.name, seconds: tree.seconds, bytes: tree.peer.bytes() }));
     if options.json {

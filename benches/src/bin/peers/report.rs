@@ -54,13 +54,13 @@ impl<'a> Comparison<'a> {
         Some(self.single()?.ratio(self.peer(EMBREE_SINGLE)?))
     }
 
-    /// How many times as fast as the fastest of Embree's ways ours is.
+    /// How many times as fast as the fastest of Embree's methods ours is.
     fn ratio(&self) -> Option<f64> {
         let (_, embree) = fastest(self.peers.iter().filter(|(name, _)| name.starts_with(EMBREE)))?;
         Some(self.best().1.ratio(embree))
     }
 
-    /// Embree's answers, which are the same for all its ways.
+    /// Embree's answers, which are the same for all its methods.
     pub(crate) fn embree(&self) -> Option<&'a Answers> {
         self.peers.iter().find(|(name, _)| name.starts_with(EMBREE)).map(|(_, timing)| &timing.answers)
     }

@@ -19,7 +19,7 @@ pub(crate) trait Peer {
     /// Memory of the tree in bytes, if it says.
     fn bytes(&self) -> Option<usize>;
 
-    /// The ways to trace it, by name; `coherent` says that neighbouring rays run alike.
+    /// The methods of tracing it, by name; `coherent` says that neighbouring rays run alike.
     fn tracers(&self, coherent: bool) -> Vec<(&'static str, Box<dyn Tracer + '_>)>;
 }
 

@@ -1,5 +1,5 @@
-//! Renders scenes with our path tracer, Mitsuba 3 and Blender's Cycles, one thread each, in turns, and compares time and
-//! error.
+//! Renders scenes with our path tracer, Mitsuba 3 and Blender's Cycles, one thread each, in turns, and compares time
+//! and error.
 //!
 //! `setup-renderers.sh` installs the peers, which scripts in `benches/renderers` run; without one its line is missing.
 //! All have the same scene, camera, box filter, and direct light by multiple importance sampling. Time is the
@@ -37,7 +37,8 @@ const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
 /// Compares our path tracer with other renderers.
 #[derive(Parser)]
 struct Options {
-    /// What to render: cornell, yard, bulbs, window, hdri, interior, ajar, street, loft, shop, lounge, chapel, studio, market, bath
+    /// What to render: cornell, yard, bulbs, window, hdri, interior, ajar, street, loft, shop, lounge, chapel, studio,
+    /// market, bath
     #[arg(value_name = "SCENE", default_values_t = [CORNELL.to_owned()], value_parser = known)]
     scenes: Vec<String>,
     /// Samples a pixel [default: 64 for cornell, else 16]
@@ -56,7 +57,8 @@ struct Options {
     /// not for cornell
     #[arg(long, value_name = "OPTIONS", default_values_t = [String::new()])]
     ours: Vec<String>,
-    /// Where to put a PNG of each scene: pictures beside each other, made in the same time, and the reference; not for cornell
+    /// Where to put a PNG of each scene: pictures beside each other, made in the same time, and the reference; not for
+    /// cornell
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
     /// Print one JSON object a line

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use halfdome_kernel::mesh::{IndexedMesh, Indices, Positions};
-use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray, Serial};
+use halfdome_kernel::{BuildOptions, Bvh, Hit, Quality, Ray};
 
 use answer::Answer;
 use tree::Tree;
@@ -29,7 +29,7 @@ struct State {
     rays: Vec<Ray>,
     /// Coordinates, and how far to look.
     points: Vec<[f32; 4]>,
-    /// By their numbers, which are used again.
+    /// By their indices, which are used again.
     meshes: Vec<Option<Tree>>,
     /// Numbers that no mesh has.
     free: Vec<usize>,
@@ -37,7 +37,7 @@ struct State {
 }
 
 impl State {
-    /// Adds a mesh: its number.
+    /// Adds a mesh: its index.
     fn add(&mut self, tree: Tree) -> i32 {
         let number = self.free.pop().unwrap_or_else(|| {
             self.meshes.push(None);
@@ -81,8 +81,8 @@ pub extern "C" fn positions(count: usize) -> *mut f32 {
     })
 }
 
-/// Room for `count` numbers of vertices, three for each triangle: its address, or 0. After the positions; a mesh that has no indices
-/// does not ask.
+/// Room for `count` numbers of vertices, three for each triangle: its address, or 0. After the positions; a mesh that
+/// has no indices does not ask.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn indices(count: usize) -> *mut u32 {
     STATE.with_borrow_mut(|state| room(state.indices.get_or_insert_default(), count, 0))
@@ -105,9 +105,9 @@ pub extern "C" fn points(count: usize) -> *mut [f32; 4] {
 pub extern "C" fn has_room(pieces: usize) -> u32 {
     // Memory that has gaps need not have it in one.
     const PIECE: usize = 1 << 16;
-    const MOST: usize = 1 << 10;
+    const MAX_PIECES: usize = 1 << 10;
     let mut held: Vec<Vec<u8>> = Vec::new();
-    let lengths = (0..pieces).step_by(MOST).map(|first| PIECE * MOST.min(pieces - first));
+    let lengths = (0..pieces).step_by(MAX_PIECES).map(|first| PIECE * MAX_PIECES.min(pieces - first));
     for length in lengths {
         let mut part = Vec::new();
         if part.try_reserve_exact(length).is_err() || held.try_reserve(1).is_err() {
@@ -124,8 +124,8 @@ pub extern "C" fn simd() -> u32 {
     cfg!(target_feature = "simd128").into()
 }
 
-/// Builds a tree with the quality of this number (0 fast, 1 medium, 2 high) from the positions and, if it was given any, the
-/// indices, which it forgets. Gives the mesh's number, or -1 if it refuses them.
+/// Builds a tree with this quality (0 fast, 1 medium, 2 high) from the positions and, if it was given any, the
+/// indices, which it forgets. Gives the mesh's index, or -1 if it refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_mesh(quality: usize) -> i32 {
     STATE
@@ -138,8 +138,8 @@ pub extern "C" fn add_mesh(quality: usize) -> i32 {
         .unwrap_or(-1)
 }
 
-/// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was when the
-/// tree was built; -1 if the triangles are not those of the tree, or if it is one that changes its shape.
+/// Moves a mesh to the positions and indices, which it forgets. Gives the cost of rays as a multiple of what it was
+/// when the tree was built; -1 if the triangles are not those of the tree, or if it is one that changes its shape.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn refit(number: usize) -> f32 {
     STATE
@@ -147,12 +147,12 @@ pub extern "C" fn refit(number: usize) -> f32 {
             let (positions, indices) = (std::mem::take(&mut state.positions), std::mem::take(&mut state.indices));
             // A scene that has the tree keeps it as it is.
             let bvh = Arc::make_mut(state.meshes.get_mut(number)?.as_mut()?.still_mut()?);
-            Some(bvh.refit_mesh_on(&Serial, &mesh(&positions, indices.as_deref())?).ok()?.cost_ratio)
+            Some(bvh.refit_mesh(&mesh(&positions, indices.as_deref())?).ok()?.cost_ratio)
         })
         .unwrap_or(-1.0)
 }
 
-/// Frees a mesh, whose number the next one gets; a scene's items that have it keep it. 0, or -1 if there is no such.
+/// Frees a mesh, whose index the next one gets; a scene's items that have it keep it. 0, or -1 if there is no such.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn free_mesh(mesh: usize) -> i32 {
     STATE.with_borrow_mut(|state| match state.meshes.get_mut(mesh).and_then(Option::take) {
@@ -190,7 +190,8 @@ pub extern "C" fn closest(mesh: usize, count: usize) -> *const u32 {
     })
 }
 
-/// Traces `count` of the rays until they hit anything of a mesh. Gives the address of a byte for each: 1 if it does, else 0.
+/// Traces `count` of the rays until they hit anything of a mesh. Gives the address of a byte for each: 1 if it does,
+/// else 0.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -204,8 +205,8 @@ pub extern "C" fn any(mesh: usize, count: usize) -> *const u32 {
     })
 }
 
-/// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to the end
-/// of each ray's, and behind that of what `Answer` says.
+/// Finds the nearest `most` hits of `count` of the rays with a mesh. Gives the address of how many hits there are up to
+/// the end of each ray's, and behind that of what `Answer` says.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
@@ -223,17 +224,15 @@ pub extern "C" fn all_hits(mesh: usize, count: usize, most: usize) -> *const u32
     })
 }
 
-/// Finds what of a mesh is closest to `count` of the points. Gives the address of what `Answer` says, with distances for `t`,
-/// and behind that three coordinates for each.
+/// Finds what of a mesh is closest to `count` of the points. Gives the address of what `Answer` says, with distances
+/// for `t`, and behind that three coordinates for each.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn closest_points(mesh: usize, count: usize) -> *const u32 {
     STATE.with_borrow_mut(|state| {
         let bvh = state.still(mesh);
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
             let found = bvh.and_then(|bvh| bvh.view().closest_point(Vec3::new(x, y, z), radius));
-            found.map_or((Vec3::NAN, Hit::MISS), |found| {
-                (found.point, Hit { t: found.distance, u: found.u, v: found.v, prim_id: found.prim_id })
-            })
+            found.map_or((Vec3::NAN, Hit::MISS), |found| (found.point, found.to_hit()))
         };
         let found: Vec<(Vec3, Hit)> = state.points(count).iter().map(closest).collect();
         state.answer.clear();

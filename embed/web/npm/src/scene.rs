@@ -25,7 +25,7 @@ struct Stage {
     /// The triangles of the next mesh that changes its shape, at its keys.
     keys: Vec<Vec<Triangle>>,
     scene: Scene<'static>,
-    /// The mesh of each item, by its number.
+    /// The mesh of each item, by its index.
     meshes: Vec<usize>,
 }
 
@@ -52,8 +52,8 @@ pub extern "C" fn forget_keys() {
     STAGE.with_borrow_mut(|stage| stage.keys.clear());
 }
 
-/// Adds a key to the next mesh that changes its shape, from the positions and indices, which it forgets. 0, or -1 if it refuses
-/// them.
+/// Adds a key to the next mesh that changes its shape, from the positions and indices, which it forgets. 0, or -1 if it
+/// refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_key() -> i32 {
     with_both(|stage, state| {
@@ -78,7 +78,7 @@ pub extern "C" fn add_moving_mesh(quality: usize) -> i32 {
     .unwrap_or(-1)
 }
 
-/// Builds a tree over points or curves of the kind with this number (0 spheres, 1 discs, 2 linear curves, 3 cubic curves), whose
+/// Builds a tree over points or curves of this kind (0 spheres, 1 discs, 2 linear curves, 3 cubic curves), whose
 /// numbers are the positions, which it forgets. The number of what it adds, or -1 if it refuses them.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn add_round(kind: usize, quality: usize) -> i32 {
@@ -104,14 +104,14 @@ fn round<P: RoundBuild>(numbers: &[f32], options: &BuildOptions) -> Option<Tree>
     Some(Tree::Round(Arc::new(bvh), report.kept))
 }
 
-/// Adds an item where the matrices take a mesh: its number; -1 if there is no such mesh; and less if a matrix is refused, see
-/// [`placed`].
+/// Adds an item where the matrices take a mesh: its index; -1 if there is no such mesh, or there are too many items;
+/// and less if a matrix is refused, see [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn insert(mesh: usize, mask: u32) -> i32 {
     with_both(|Stage { matrices, scene, meshes, .. }, state| {
         let tree = state.tree(mesh).ok_or(-1)?;
         let item = placed(Item::new(tree.object()).with_mask(mask), matrices)?;
-        let index = scene.insert(item).index();
+        let index = scene.insert(item).map_err(|_| -1)?.index();
         let place = index as usize;
         meshes.resize(meshes.len().max(place + 1), usize::MAX);
         meshes[place] = mesh;
@@ -132,7 +132,8 @@ pub extern "C" fn follow(mesh: usize) {
     });
 }
 
-/// Puts an item where the matrices take its mesh. 0; -1 if there is no such item; and less if a matrix is refused, see [`placed`].
+/// Puts an item where the matrices take its mesh. 0; -1 if there is no such item; and less if a matrix is refused, see
+/// [`placed`].
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn set_transform(item: u32) -> i32 {
     STAGE
@@ -181,8 +182,8 @@ pub extern "C" fn commit() -> i32 {
     STAGE.with_borrow_mut(|stage| stage.scene.commit().map_or(-1, |commit| commit.seen as i32))
 }
 
-/// Traces `count` of the rays to their nearest hits. Gives the address of what [`Answer`] says, and behind that of the numbers
-/// of the items, -1 for none.
+/// Traces `count` of the rays to their nearest hits. Gives the address of what [`Answer`] says, and behind that of the
+/// numbers of the items, -1 for none.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn scene_closest(count: usize, mask: u32) -> *const u32 {
     with_both(|stage, state| {
@@ -208,8 +209,8 @@ pub extern "C" fn scene_any(count: usize, mask: u32) -> *const u32 {
     })
 }
 
-/// Finds the nearest `most` hits of `count` of the rays. Gives the address of how many hits there are up to the end of each
-/// ray's, and behind that what [`scene_closest`] gives.
+/// Finds the nearest `most` hits of `count` of the rays. Gives the address of how many hits there are up to the end of
+/// each ray's, and behind that what [`scene_closest`] gives.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn scene_all_hits(count: usize, most: usize, mask: u32) -> *const u32 {
     with_both(|stage, state| {
@@ -228,14 +229,15 @@ pub extern "C" fn scene_all_hits(count: usize, most: usize, mask: u32) -> *const
     })
 }
 
-/// Finds what is closest to `count` of the points at a time. Gives the address of what [`scene_closest`] gives, with distances for `t`,
-/// and behind that three coordinates for each.
+/// Finds what is closest to `count` of the points at a time. Gives the address of what [`scene_closest`] gives, with
+/// distances for `t`, and behind that three coordinates for each.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn scene_closest_points(count: usize, mask: u32, time: f32) -> *const u32 {
     with_both(|stage, state| {
         let scene = stage.scene.view();
         let closest = |&[x, y, z, radius]: &[f32; 4]| {
-            scene.closest_point(Vec3::new(x, y, z), radius, time, mask).unwrap_or((Vec3::NAN, SceneHit::MISS))
+            let found = scene.closest_point(Vec3::new(x, y, z), radius, time, mask);
+            found.map_or((Vec3::NAN, SceneHit::MISS), |found| (found.point.point, found.to_hit()))
         };
         let (places, hits): (Vec<Vec3>, Vec<SceneHit>) = state.points(count).iter().map(closest).unzip();
         state.answer.clear();
@@ -247,7 +249,7 @@ pub extern "C" fn scene_closest_points(count: usize, mask: u32, time: f32) -> *c
 
 fn push_hits(answer: &mut Answer, hits: &[SceneHit]) {
     answer.push_hits(hits.iter().map(|hit| &hit.hit));
-    answer.push_words(hits.iter().map(|hit| hit.geometry_id));
+    answer.push_words(hits.iter().map(|hit| hit.item));
 }
 
 impl Stage {
@@ -258,8 +260,8 @@ impl Stage {
     }
 }
 
-/// The item where the matrices take it. -1 if an element is not finite, -2 - 2k if matrix `k` has no useful inverse, and one less if it
-/// loses it on the way to the next.
+/// The item where the matrices take it. -1 if an element is not finite, -2 - 2k if matrix `k` has no useful inverse,
+/// and one less if it loses it on the way to the next.
 fn placed(item: Item<'static>, matrices: &[[f32; 16]]) -> Result<Item<'static>, i32> {
     let refused = |error| match error {
         Error::InvalidScene(InvalidScene::Singular { key }) => {
@@ -287,7 +289,7 @@ fn with_both<T>(work: impl FnOnce(&mut Stage, &mut State) -> T) -> T {
     STAGE.with_borrow_mut(|stage| STATE.with_borrow_mut(|state| work(stage, state)))
 }
 
-/// Changes the item of this number.
+/// Changes the item of this index.
 fn change(item: u32, work: impl FnOnce(&mut Stage, Handle) -> Option<()>) -> i32 {
     let done = STAGE.with_borrow_mut(|stage| {
         let handle = stage.scene.handle(item)?;

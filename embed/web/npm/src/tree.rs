@@ -58,11 +58,11 @@ impl Tree {
 
     pub(crate) fn bytes(&self) -> usize {
         match self {
-            Self::Still(bvh) => bvh.statistics().bytes,
+            Self::Still(bvh) => bvh.statistics().memory_bytes,
             #[cfg(feature = "scene")]
-            Self::Moving(bvh) => bvh.bytes(),
+            Self::Moving(bvh) => bvh.memory_bytes(),
             #[cfg(feature = "scene")]
-            Self::Round(bvh, _) => bvh.bytes(),
+            Self::Round(bvh, _) => bvh.memory_bytes(),
         }
     }
 }

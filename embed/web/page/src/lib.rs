@@ -86,8 +86,8 @@ pub extern "C" fn open() -> u32 {
     call(Page::open)
 }
 
-/// Reads a `View` as JSON and fills the cache for it. The answer: the number of records that the view shows, their places on
-/// the film, x and y as 32-bit floats, and the cache.
+/// Reads a `View` as JSON and fills the cache for it. The answer: the number of records that the view shows, their
+/// places on the film, x and y as 32-bit floats, and the cache.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn fill() -> u32 {
     call(Page::fill)
@@ -105,8 +105,8 @@ pub extern "C" fn start(number: usize, count: usize) -> u32 {
     call(|page, input| page.start(&input, number, count))
 }
 
-/// Renders a tile a little further. The answer: its left and upper edge, its width and height, samples taken and rays traced
-/// as 32-bit numbers, and its pixels as sRGB with alpha.
+/// Renders a tile a little further. The answer: its left and upper edge, its width and height, samples taken and rays
+/// traced as 32-bit numbers, and its pixels as sRGB with alpha.
 #[cfg_attr(target_family = "wasm", unsafe(no_mangle))]
 pub extern "C" fn step() -> u32 {
     OUTPUT.with_borrow_mut(|output| PAGE.with_borrow_mut(|page| if page.step(output) { DONE } else { NOTHING }))

@@ -1,20 +1,23 @@
 //! Round cubic curves: a sphere swept along a Bézier curve, whose radius is a Bézier curve too.
 //!
-//! The curve is cut into `2^k` pieces of equal length in `u`, and each piece is the [linear curve](super::linear) between its
-//! ends. Neighbours share the sphere between them, so there are no cracks. `k` depends on the curve alone. Between its ends a
-//! piece strays from its chord by an eighth of the second derivative times the square of the step, and so with
-//! `m = max |p[i] - 2 p[i + 1] + p[i + 2]|` (the sum of the magnitudes of the four components, the radius being one)
+//! The curve is cut into `2^k` pieces of equal length in `u`, and each piece is the [linear curve](super::linear)
+//! between its ends. Neighbours share the sphere between them, so there are no cracks. `k` depends on the curve alone.
+//! Between its ends a piece strays from its chord by an eighth of the second derivative times the square of the step,
+//! and so with `m = max |p[i] - 2 p[i + 1] + p[i + 2]|` (the sum of the magnitudes of the four components, the radius
+//! being one)
 //!
 //! ```text
 //! deviation <= 3/4 m 4^-k
 //! ```
 //!
-//! `k` is the least number for which that is at most [`TOLERANCE`] of the greatest radius, and [`MOST_HALVINGS`] at most.
+//! `k` is the least number for which that is at most [`CUBIC_TOLERANCE`] of the greatest radius, and
+//! [`MAX_CUBIC_HALVINGS`] at most.
 //!
-//! A ray meets few of the pieces. They are found from the whole curve down, eight parts at a time: a part lies within a capsule
-//! around its chord whose radius is the greater one of its ends, and the deviation. There are four such steps at most, and what
-//! is still to visit is one byte for each. This follows Nakamaru and Ohno 2002, "Ray Tracing for Curves Primitive", but for the
-//! parts, which are evaluated and not split, and for the ends, which are spheres and not flat ribbons.
+//! A ray meets few of the pieces. They are found from the whole curve down, eight parts at a time: a part lies within a
+//! capsule around its chord whose radius is the greater one of its ends, and the deviation. There are four such steps
+//! at most, and what is still to visit is one byte for each. This follows Nakamaru and Ohno 2002, "Ray Tracing for
+//! Curves Primitive", but for the parts, which are evaluated and not split, and for the ends, which are spheres and not
+//! flat ribbons.
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DVec4, Vec3};
@@ -22,25 +25,25 @@ use glam::{DVec4, Vec3};
 use super::frame::max;
 use super::line_test::{Crossing, LineTest, Span};
 use super::linear::{capsule_margin, cone_span};
-use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive, Sphere, sphere_fault};
 use crate::geometry::Aabb;
 
 /// How far pieces may stray from a curve, in parts of its greatest radius.
-pub const TOLERANCE: f64 = 1.0 / 256.0;
+pub const CUBIC_TOLERANCE: f64 = 1.0 / 256.0;
 /// How often a curve is halved at most.
-pub const MOST_HALVINGS: u32 = 12;
+pub const MAX_CUBIC_HALVINGS: u32 = 12;
 
 /// Parts that are tested together, and the halvings that make them.
 const PARTS: usize = 8;
 const PARTS_HALVINGS: u32 = 3;
 /// Steps from the curve to its pieces, at most.
-const MOST_STEPS: usize = MOST_HALVINGS.div_ceil(PARTS_HALVINGS) as usize;
+const MAX_STEPS: usize = MAX_CUBIC_HALVINGS.div_ceil(PARTS_HALVINGS) as usize;
 
-/// A sphere swept along a cubic Bézier curve, hit from outside and inside. `u` of hits is the curve's parameter, 0..=1: the
-/// centre of the sphere that touches the hit is there.
+/// A sphere swept along a cubic Bézier curve, hit from outside and inside. `u` of hits is the curve's parameter, 0..=1:
+/// the centre of the sphere that touches the hit is there.
 ///
-/// It deviates from the ideal by 1/256 of its greatest radius at most, or by 2⁻²⁴ of its second differences if that is more: of
-/// the order of what control points are rounded by.
+/// It deviates from the ideal by 1/256 of its greatest radius at most, or by 2⁻²⁴ of its second differences if that is
+/// more: of the order of what control points are rounded by.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct CubicCurve {
@@ -56,15 +59,15 @@ impl CubicCurve {
         from_vectors([(a + 4.0 * b + c) / 6.0, thirds.0 / 3.0, thirds.1 / 3.0, (b + 4.0 * c + d) / 6.0])
     }
 
-    /// The curve of a uniform Catmull-Rom spline from the second of four points to the third. Control values of the radius
-    /// that would be less than zero are zero.
+    /// The curve of a uniform Catmull-Rom spline from the second of four points to the third. Control values of the
+    /// radius that would be less than zero are zero.
     pub fn from_catmull_rom(points: &[Sphere; 4]) -> Self {
         let [a, b, c, d] = points.map(to_vector);
         from_vectors([b, b + (c - a) / 6.0, c - (d - b) / 6.0, c])
     }
 
-    /// Curves along all points of a strand, by a Catmull-Rom spline: one less than there are points, none for fewer than two. At
-    /// the ends the strand goes on as it comes in.
+    /// Curves along all points of a strand, by a Catmull-Rom spline: one less than there are points, none for fewer
+    /// than two. At the ends the strand goes on as it comes in.
     pub fn strand(points: &[Sphere]) -> impl Iterator<Item = Self> {
         let mirrored = |end: Sphere, next: Sphere| Sphere {
             center: end.center + (end.center - next.center),
@@ -93,7 +96,7 @@ fn from_vectors(points: [DVec4; 4]) -> CubicCurve {
 }
 
 impl RoundPrimitive for CubicCurve {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         sphere_fault(&self.controls)
     }
 
@@ -185,9 +188,9 @@ impl Pieces {
             bend = max(bend, sum);
         }
         let deviation = 0.75 * bend;
-        let tolerance = TOLERANCE * max(max(n[3], n[7]), max(n[11], n[15]));
+        let tolerance = CUBIC_TOLERANCE * max(max(n[3], n[7]), max(n[11], n[15]));
         let (mut halvings, mut left) = (0, deviation);
-        while left > tolerance && halvings < MOST_HALVINGS {
+        while left > tolerance && halvings < MAX_CUBIC_HALVINGS {
             left *= 0.25;
             halvings += 1;
         }
@@ -216,9 +219,9 @@ impl Pieces {
         if self.halvings == 0 {
             return see(0.0, 1.0);
         }
-        // Of each step the parts that are left to visit, and the number of the first.
+        // Of each step the parts still to visit, and the index of the first.
         let (mut left, mut first) = ([0u8; PARTS], [0u32; PARTS]);
-        const { assert!(MOST_STEPS <= PARTS) }
+        const { assert!(MAX_STEPS <= PARTS) }
         let mut step = 0;
         left[0] = self.parts_near(0, 0);
         loop {
@@ -252,7 +255,7 @@ impl Pieces {
         ((step + 1) * PARTS_HALVINGS).min(self.halvings)
     }
 
-    /// Those of a step's parts that may meet the z axis, a bit each, from the part of this number on.
+    /// Those of a step's parts that may meet the z axis, a bit each, from the part of this index on.
     #[inline(always)]
     fn parts_near(&self, first: u32, step: u32) -> u8 {
         let halvings = self.halvings_after(step);

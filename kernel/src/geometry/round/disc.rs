@@ -5,7 +5,7 @@ use glam::Vec3;
 
 use super::frame::dot;
 use super::line_test::{Crossing, LineTest, Span};
-use super::{RayFrame, RoundFault, RoundPrimitive, sphere_fault};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive, sphere_fault};
 use crate::geometry::{Aabb, MAX_COORDINATE};
 
 /// A flat disc, hit from both sides; `u` of hits is the distance from the centre in radii.
@@ -21,16 +21,16 @@ pub struct Disc {
 }
 
 impl RoundPrimitive for Disc {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         let Self { center, radius, normal } = *self;
         if !normal.is_finite() {
-            return Some(RoundFault::NotFinite);
+            return Some(PrimitiveFault::NotFinite);
         }
         if normal.abs().max_element() > MAX_COORDINATE {
-            return Some(RoundFault::OutOfRange);
+            return Some(PrimitiveFault::OutOfRange);
         }
         let fault = sphere_fault(&[super::Sphere { center, radius }]);
-        fault.or_else(|| (normal == Vec3::ZERO).then_some(RoundFault::Degenerate))
+        fault.or_else(|| (normal == Vec3::ZERO).then_some(PrimitiveFault::Degenerate))
     }
 
     /// Along each axis the disc's extent is the radius times the sine of the angle between axis and normal.

@@ -18,8 +18,8 @@ pub trait LineTest: Copy {
     /// Without a branch, so that it can be computed in lanes.
     fn margin(frame: &RayFrame, numbers: &Self::Numbers) -> f64;
 
-    /// Shows the parts of the line within the primitive, whose union counts; some of them may overlap. They come in the order
-    /// in which they follow each other along the primitive, or in the opposite one.
+    /// Shows the parts of the line within the primitive, whose union counts; some of them may overlap. They come in the
+    /// order in which they follow each other along the primitive, or in the opposite one.
     fn spans(frame: &RayFrame, numbers: &Self::Numbers, backwards: bool, see: impl FnMut(Span));
 
     /// A vector along the shading normal.

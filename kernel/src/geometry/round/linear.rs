@@ -1,26 +1,28 @@
 //! Round linear curves: a sphere swept along a segment, with a radius that changes evenly.
 //!
-//! The swept solid is the convex hull of the spheres at the ends: these, and between them a cone that touches both. With the
-//! axis `a + u e`, the radius `r - u δ` and `D = e·e - δ²`, a point `x` is nearest to the surface of the sphere of
+//! The swept solid is the convex hull of the spheres at the ends: these, and between them a cone that touches both.
+//! With the axis `a + u e`, the radius `r - u δ` and `D = e·e - δ²`, a point `x` is nearest to the surface of the
+//! sphere of
 //!
 //! ```text
 //! u(x) = ((x - a)·e - r δ) / D
 //! ```
 //!
-//! and is on the cone where `|x - a|² - r² = D u²`, if `0 <= u <= 1`. If `D <= 0`, one sphere is within the other. Put into
-//! the line `x = (0, 0, z)` of the ray's own space that is a quadratic equation in `z`. The axis' point that is nearest to the
-//! line stands in for `a` and its depth for `z = 0`, so that nothing cancels however far the ray comes from, and however thin
-//! and long the curve is.
+//! and is on the cone where `|x - a|² - r² = D u²`, if `0 <= u <= 1`. If `D <= 0`, one sphere is within the other. Put
+//! into the line `x = (0, 0, z)` of the ray's own space that is a quadratic equation in `z`. The axis' point that is
+//! nearest to the line stands in for `a` and its depth for `z = 0`, so that nothing cancels however far the ray comes
+//! from, and however thin and long the curve is.
 
 use bytemuck::{Pod, Zeroable};
 
 use super::frame::{dot, max};
 use super::line_test::{LineTest, Span};
-use super::{RayFrame, RoundFault, RoundPrimitive, Sphere, sphere_fault};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive, Sphere, sphere_fault};
 use crate::geometry::Aabb;
 
-/// A sphere swept along a segment, from one end to the other: a cone or a cylinder with round ends, hit from outside and
-/// inside. `u` of hits goes from 0 at the first end to 1 at the second; the centre of the sphere that touches the hit is there.
+/// A sphere swept along a segment, from one end to the other: a cone or a cylinder with round ends, hit from outside
+/// and inside. `u` of hits goes from 0 at the first end to 1 at the second; the centre of the sphere that touches the
+/// hit is there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct LinearCurve {
@@ -29,7 +31,7 @@ pub struct LinearCurve {
 }
 
 impl RoundPrimitive for LinearCurve {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         sphere_fault(&self.ends)
     }
 
@@ -65,7 +67,8 @@ impl LineTest for LinearCurve {
     }
 }
 
-/// How much less the square of the distance between the z axis and a segment that is seen along it is than that of a radius.
+/// How much less the square of the distance between the z axis and a segment that is seen along it is than that of a
+/// radius.
 #[inline(always)]
 pub(super) fn capsule_margin(a: [f64; 2], b: [f64; 2], radius: f64) -> f64 {
     let (ex, ey) = (b[0] - a[0], b[1] - a[1]);
@@ -131,8 +134,8 @@ pub(super) fn cone_span(a: [f64; 4], b: [f64; 4]) -> Option<Span> {
     Some(span)
 }
 
-/// A radius less than this times the distance is too small for a normal to be told from the centre: what is left has too few
-/// digits.
+/// A radius less than this times the distance is too small for a normal to be told from the centre: what is left has
+/// too few digits.
 const THIN: f64 = 1.0 / (1u64 << 32) as f64;
 
 /// The normal of such a thin cone: the normal of a plane that touches the whole cone, on the side where the line

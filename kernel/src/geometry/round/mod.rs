@@ -26,7 +26,7 @@ mod span;
 mod sphere;
 mod surface;
 
-pub use cubic::{CubicCurve, MOST_HALVINGS, TOLERANCE};
+pub use cubic::{CUBIC_TOLERANCE, CubicCurve, MAX_CUBIC_HALVINGS};
 pub use disc::Disc;
 pub use linear::LinearCurve;
 pub use sphere::Sphere;
@@ -37,26 +37,15 @@ pub(crate) use line_test::LineTest;
 
 use line_test::Crossing;
 
-use super::{Aabb, Hit, Ray, own_box};
+use super::{Aabb, Hit, PrimitiveFault, Ray, own_box};
 
-/// What a [`RoundView`](crate::RoundView) traces: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
+/// What a [`RoundBvhView`](crate::RoundBvhView) traces: [`Sphere`], [`Disc`], [`LinearCurve`], [`CubicCurve`].
 pub trait RoundPrimitive: LineTest + bytemuck::Pod + Send + Sync {
     /// Why no ray hits the primitive, if none does.
-    fn fault(&self) -> Option<RoundFault>;
+    fn fault(&self) -> Option<PrimitiveFault>;
 
     /// The box around it, rounded outwards. Unspecified for a primitive with a fault.
     fn bounds(&self) -> Aabb;
-}
-
-/// Why no ray hits a primitive.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RoundFault {
-    /// A number is NaN or infinite.
-    NotFinite,
-    /// The primitive reaches beyond [`MAX_COORDINATE`](super::MAX_COORDINATE).
-    OutOfRange,
-    /// All radii are zero or one is less, or the normal is zero.
-    Degenerate,
 }
 
 /// Where `ray` meets a point or a curve, with `prim_id` 0; `None` if it does not within `t_min..=t_max`, or if one of
@@ -92,13 +81,13 @@ fn crossing<P: RoundPrimitive>(frame: &RayFrame, ray: &Ray, primitive: &P) -> Op
 }
 
 /// The fault of a primitive made of swept spheres.
-fn sphere_fault(spheres: &[Sphere]) -> Option<RoundFault> {
+fn sphere_fault(spheres: &[Sphere]) -> Option<PrimitiveFault> {
     if !spheres.iter().all(|sphere| sphere.center.is_finite() && sphere.radius.is_finite()) {
-        return Some(RoundFault::NotFinite);
+        return Some(PrimitiveFault::NotFinite);
     }
     if spheres.iter().any(|sphere| sphere.radius < 0.0) || spheres.iter().all(|sphere| sphere.radius == 0.0) {
-        return Some(RoundFault::Degenerate);
+        return Some(PrimitiveFault::Degenerate);
     }
     let is_usable = |sphere: &Sphere| sphere.bounds().is_usable();
-    (!spheres.iter().all(is_usable)).then_some(RoundFault::OutOfRange)
+    (!spheres.iter().all(is_usable)).then_some(PrimitiveFault::OutOfRange)
 }

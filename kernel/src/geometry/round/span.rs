@@ -4,7 +4,7 @@ use super::RayFrame;
 use super::line_test::{Crossing, LineTest, Span};
 
 /// A bound of the work.
-const MOST_TURNS: u32 = 16;
+const MAX_TURNS: u32 = 16;
 
 impl Span {
     /// A span that grows with each crossing that is found.
@@ -49,7 +49,7 @@ pub(super) fn first_crossing<P: LineTest>(
         let Some(exit) = exit else { return enter.map(|enter| (enter, true)) };
         turns += 1;
         idle = if known > before { 0 } else { idle + 1 };
-        if P::IS_CONVEX || idle == 2 || turns == MOST_TURNS {
+        if P::IS_CONVEX || idle == 2 || turns == MAX_TURNS {
             return Some((exit, false));
         }
     }

@@ -5,7 +5,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::line_test::{Crossing, LineTest, Span};
-use super::{RayFrame, RoundFault, RoundPrimitive};
+use super::{PrimitiveFault, RayFrame, RoundPrimitive};
 use crate::geometry::Aabb;
 
 /// A sphere: the surface, not the ball. For a curve, a point of its axis and the radius there.
@@ -26,7 +26,7 @@ impl Sphere {
 }
 
 impl RoundPrimitive for Sphere {
-    fn fault(&self) -> Option<RoundFault> {
+    fn fault(&self) -> Option<PrimitiveFault> {
         super::sphere_fault(&[*self])
     }
 

@@ -1,10 +1,10 @@
 //! The surface at a hit with a point or a curve, and origins of rays that leave it.
 //!
-//! The point is found in `f64` and rounded once. Along the normal `n` that puts it off the surface by `u Σ |n| |x|` at most,
-//! with `u = 2⁻²⁴`, and so does its sum with the offset; the offset has twice as much, so that the origin is truly outside.
-//! As the test of the next ray is in `f64` too, it finds no crossing there. Two terms are for thin curves that are seen from
-//! afar, where a normal may be off by `2⁻²⁰`, or is that of a touching plane nearby (`linear`): one of the extent, along which a
-//! grazing ray might come back, and one of the distance.
+//! The point is found in `f64` and rounded once. Along the normal `n` that puts it off the surface by `u Σ |n| |x|` at
+//! most, with `u = 2⁻²⁴`, and so does its sum with the offset; the offset has twice as much, so that the origin is
+//! truly outside. As the test of the next ray is in `f64` too, it finds no crossing there. Two terms are for thin
+//! curves that are seen from afar, where a normal may be off by `2⁻²⁰`, or is that of a touching plane nearby
+//! (`linear`): one of the extent, along which a grazing ray might come back, and one of the distance.
 
 use glam::Vec3;
 
@@ -35,7 +35,8 @@ pub struct RoundSurface {
 }
 
 impl RoundSurface {
-    /// The surface where `ray` meets a primitive; `None` if it does not hit it. In a scene, both are in the item's own space.
+    /// The surface where `ray` meets a primitive; `None` if it does not hit it. In a scene, both are in the item's own
+    /// space.
     pub fn of<P: RoundPrimitive>(ray: &Ray, primitive: &P) -> Option<Self> {
         let frame = RayFrame::new(ray)?;
         if primitive.fault().is_some() {

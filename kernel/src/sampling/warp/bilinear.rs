@@ -1,8 +1,8 @@
 //! Points of the unit square whose density follows four weights at its corners.
 //!
-//! The weights are interpolated: `q(x, y) = (w₀₀ (1-x)(1-y) + w₁₀ x (1-y) + w₀₁ (1-x) y + w₁₁ x y) / mean`. Along each axis
-//! that is a line from `a` to `b`, whose distribution is inverted by the root of a quadratic equation in the form that
-//! does not cancel (Pharr, Jakob and Humphreys, "Physically Based Rendering", A.5).
+//! The weights are interpolated: `q(x, y) = (w₀₀ (1-x)(1-y) + w₁₀ x (1-y) + w₀₁ (1-x) y + w₁₁ x y) / mean`. Along each
+//! axis that is a line from `a` to `b`, whose distribution is inverted by the root of a quadratic equation in the form
+//! that does not cancel (Pharr, Jakob and Humphreys, "Physically Based Rendering", A.5).
 
 use glam::Vec2;
 

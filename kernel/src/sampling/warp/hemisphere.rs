@@ -19,7 +19,7 @@ use super::{ConcentricDisc, Warp};
 use crate::sampling::{into_unit, sin_cos_turns, sqrt, turns};
 
 /// The least 1 - r² of a point of the disc: rounding may carry its border to 1 and past it.
-const LEAST: f32 = f32::EPSILON / 2.0;
+const MIN_COSINE_SQUARED: f32 = f32::EPSILON / 2.0;
 
 /// Directions with equal density 1/2π, directly by inverting its distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -85,7 +85,7 @@ impl Warp for MalleyHemisphere {
     #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         let disc = ConcentricDisc.map(u);
-        disc.extend(sqrt(at_least(1.0 - disc.length_squared(), LEAST)))
+        disc.extend(sqrt(at_least(1.0 - disc.length_squared(), MIN_COSINE_SQUARED)))
     }
 
     #[inline]
@@ -109,7 +109,7 @@ impl Warp for ConcentricHemisphere {
     #[inline(always)]
     fn map(&self, u: Vec2) -> Vec3 {
         let disc = ConcentricDisc.map(u);
-        let z = at_least(1.0 - disc.length_squared(), LEAST);
+        let z = at_least(1.0 - disc.length_squared(), MIN_COSINE_SQUARED);
         (disc * sqrt(1.0 + z)).extend(z)
     }
 

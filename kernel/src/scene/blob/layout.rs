@@ -23,7 +23,7 @@ pub(super) struct Header {
     pub(super) scenes: u32,
     pub(super) items: u32,
     pub(super) parts: u32,
-    pub(super) numbers: u32,
+    pub(super) indices: u32,
     pub(super) width: u16,
     pub(super) quality: u16,
     pub(super) block_parts: u32,
@@ -83,8 +83,8 @@ pub(super) struct SceneRecord {
     pub(super) items: u32,
     pub(super) first_part: u32,
     pub(super) parts: u32,
-    pub(super) first_number: u32,
-    pub(super) numbers: u32,
+    pub(super) first_index: u32,
+    pub(super) indices: u32,
     pub(super) first_node: u32,
     pub(super) nodes: u32,
 }
@@ -131,7 +131,7 @@ impl BlobHeader for Header {
             (self.scenes, size_of::<SceneRecord>()),
             (self.items, size_of::<ItemRecord>()),
             (self.parts, size_of::<Part>()),
-            (self.numbers, size_of::<u32>()),
+            (self.indices, size_of::<u32>()),
         ];
         let len = sizes.iter().map(|&(count, each)| u64::from(count) * each as u64).sum::<u64>();
         (HEADER as u64 + len).next_multiple_of(BLOB_ALIGNMENT as u64)

@@ -6,7 +6,7 @@ use alloc::vec::Vec;
 
 use bytemuck::bytes_of;
 
-use super::layout::block_parts;
+use super::layout::{NOTHING, block_parts};
 use super::*;
 use crate::bvh::blob_header::{BYTE_ORDER, checksum};
 use crate::bvh::{Blob, BuildOptions, Bvh, MovingBvh, Quality, RoundBvh, Serial};
@@ -85,8 +85,8 @@ impl<'a> SceneBlob<'a> {
             };
             let mut items = self.records_of(record).iter().map(item).collect::<Result<Vec<_>, Error>>()?;
             // A blob that cannot be traced in place is not to be loaded either.
-            let (parts, nodes, numbers) = self.tree_of(record);
-            let bounds = SceneView::new(&mut items, parts, nodes, numbers)?.bounds();
+            let (parts, nodes, indices) = self.tree_of(record);
+            let bounds = SceneView::new(&mut items, parts, nodes, indices)?.bounds();
             let (mut scene, _) = Scene::build(items, &options)?;
             // Scenes around it are checked with the box that it has in place, which a forged tree may make too large.
             scene.widen(&bounds);
@@ -99,7 +99,8 @@ impl<'a> SceneBlob<'a> {
 }
 
 impl SceneView<'_> {
-    /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with `options`.
+    /// The scene as bytes, as by `Scene::to_bytes`; its own tree, and those of the scenes in it, are built with
+    /// `options`.
     ///
     /// # Errors
     /// The errors of `Scene::to_bytes`.
@@ -126,13 +127,13 @@ struct Writer {
     scenes: Vec<SceneRecord>,
     items: Vec<ItemRecord>,
     parts: Vec<Part>,
-    numbers: Vec<u32>,
+    indices: Vec<u32>,
     known_meshes: BTreeMap<Place, u32>,
     known_scenes: BTreeMap<Place, u32>,
 }
 
 impl Writer {
-    /// Writes a scene that is `depth` scenes deep, and before it all that is in it: its number.
+    /// Writes a scene that is `depth` scenes deep, and before it all that is in it; gives its index.
     fn scene(&mut self, scene: &SceneView, depth: usize) -> Result<u32, Error> {
         let items = scene.items();
         let place = (items.as_ptr().addr(), items.len(), scene.tree().nodes(0).as_ptr().addr());
@@ -148,73 +149,73 @@ impl Writer {
                     let keys = 0..tree.keys();
                     let nodes: Vec<&[Node]> = keys.clone().map(|key| tree.nodes(key)).collect();
                     let blocks: Vec<&[TriangleBlock]> = keys.map(|key| tree.blocks(key)).collect();
-                    (MESH, self.mesh(&nodes, &blocks, number(tree.keys())?)?)
+                    (MESH, self.mesh(&nodes, &blocks, to_u32(tree.keys())?)?)
                 }
                 Target::Round(tree) => (MESH, self.round(&tree)?),
                 Target::Scene(inner) => (SCENE, self.scene(&inner, depth + 1)?),
                 Target::Shape(_) => return Err(InvalidScene::NotSerializable { item: index, depth }.into()),
             });
         }
-        let facts: Vec<ItemSummary> = items.iter().map(Item::facts).collect();
-        let (top, _) = TopLevel::build(&Serial, (items, &facts), scene.summary(), &self.options)?;
+        let summaries: Vec<ItemSummary> = items.iter().map(Item::summary).collect();
+        let (top, _) = TopLevel::build(&Serial, (items, &summaries), scene.summary(), &self.options)?;
         let tree = top.tree.view();
         let mut record = SceneRecord {
-            first_item: number(self.items.len())?,
-            items: number(items.len())?,
-            first_part: number(self.parts.len())?,
-            parts: number(top.parts.len())?,
-            first_number: number(self.numbers.len())?,
-            numbers: number(tree.items().len())?,
-            first_node: number(self.scene_nodes.len())?,
+            first_item: to_u32(self.items.len())?,
+            items: to_u32(items.len())?,
+            first_part: to_u32(self.parts.len())?,
+            parts: to_u32(top.parts.len())?,
+            first_index: to_u32(self.indices.len())?,
+            indices: to_u32(tree.items().len())?,
+            first_node: to_u32(self.scene_nodes.len())?,
             nodes: 0,
         };
         (0..tree.keys()).for_each(|key| self.scene_nodes.extend_from_slice(tree.nodes(key)));
-        record.nodes = number(self.scene_nodes.len())? - record.first_node;
+        record.nodes = to_u32(self.scene_nodes.len())? - record.first_node;
         self.parts.extend_from_slice(&top.parts);
-        self.numbers.extend_from_slice(tree.items());
+        self.indices.extend_from_slice(tree.items());
         for (item, (kind, object)) in items.iter().zip(objects) {
-            let first_transform = number(self.transforms.len())?;
+            let first_transform = to_u32(self.transforms.len())?;
             self.place(&item.placement);
-            let transforms = number(self.transforms.len())? - first_transform;
+            let transforms = to_u32(self.transforms.len())? - first_transform;
             self.items.push(ItemRecord { kind, object, mask: item.mask, first_transform, transforms });
         }
-        let index = number(self.scenes.len())?;
+        let index = to_u32(self.scenes.len())?;
         self.scenes.push(record);
         self.known_scenes.insert(place, index);
         Ok(index)
     }
 
-    /// Writes the nodes and blocks of a mesh at its keys, unless that was done before: its number.
+    /// Writes the nodes and blocks of a mesh at its keys, unless that was done before; gives its index.
     fn mesh(&mut self, nodes: &[&[Node]], blocks: &[&[TriangleBlock]], keys: u32) -> Result<u32, Error> {
         let first = nodes.first().copied().unwrap_or(&[]);
         let place = (first.as_ptr().addr(), first.len(), keys as usize);
         if let Some(&known) = self.known_meshes.get(&place) {
             return Ok(known);
         }
-        let (first_node, first_block) = (number(self.nodes.len())?, number(self.blocks.len())?);
+        let (first_node, first_block) = (to_u32(self.nodes.len())?, to_u32(self.blocks.len())?);
         nodes.iter().for_each(|nodes| self.nodes.extend_from_slice(nodes));
         blocks.iter().for_each(|blocks| self.blocks.extend_from_slice(blocks));
-        let (nodes, blocks) = (number(self.nodes.len())? - first_node, number(self.blocks.len())? - first_block);
+        let (nodes, blocks) = (to_u32(self.nodes.len())? - first_node, to_u32(self.blocks.len())? - first_block);
         self.add_mesh(place, MeshRecord { first_node, nodes, first_block, blocks, keys, kind: TRIANGLES })
     }
 
     /// The same of points or curves.
-    fn round(&mut self, tree: &RoundView) -> Result<u32, Error> {
+    fn round(&mut self, tree: &RoundBvhView) -> Result<u32, Error> {
         let place = (tree.nodes().as_ptr().addr(), tree.nodes().len(), 0);
         if let Some(&known) = self.known_meshes.get(&place) {
             return Ok(known);
         }
-        let (first_node, first_block) = (number(self.nodes.len())?, number(self.block_parts.len())?);
+        let (first_node, first_block) = (to_u32(self.nodes.len())?, to_u32(self.block_parts.len())?);
         let (kind, parts) = block_parts(tree.blocks());
         self.nodes.extend_from_slice(tree.nodes());
         self.block_parts.extend_from_slice(parts);
-        let (nodes, blocks) = (number(tree.nodes().len())?, number(parts.len())?);
+        let (nodes, blocks) = (to_u32(tree.nodes().len())?, to_u32(parts.len())?);
         self.add_mesh(place, MeshRecord { first_node, nodes, first_block, blocks, keys: 0, kind })
     }
 
-    /// Adds a mesh, which lies there: its number.
+    /// Adds a mesh, which lies there; gives its index.
     fn add_mesh(&mut self, place: Place, record: MeshRecord) -> Result<u32, Error> {
-        let index = number(self.meshes.len())?;
+        let index = to_u32(self.meshes.len())?;
         self.meshes.push(record);
         self.known_meshes.insert(place, index);
         Ok(index)
@@ -244,18 +245,18 @@ impl Writer {
             magic: Header::MAGIC,
             byte_order: BYTE_ORDER,
             version: SCENE_BLOB_VERSION,
-            nodes: number(self.nodes.len())?,
-            blocks: number(self.blocks.len())?,
-            scene_nodes: number(self.scene_nodes.len())?,
-            transforms: number(self.transforms.len())?,
-            meshes: number(self.meshes.len())?,
-            scenes: number(self.scenes.len())?,
-            items: number(self.items.len())?,
-            parts: number(self.parts.len())?,
-            numbers: number(self.numbers.len())?,
+            nodes: to_u32(self.nodes.len())?,
+            blocks: to_u32(self.blocks.len())?,
+            scene_nodes: to_u32(self.scene_nodes.len())?,
+            transforms: to_u32(self.transforms.len())?,
+            meshes: to_u32(self.meshes.len())?,
+            scenes: to_u32(self.scenes.len())?,
+            items: to_u32(self.items.len())?,
+            parts: to_u32(self.parts.len())?,
+            indices: to_u32(self.indices.len())?,
             width: WIDTH as u16,
             quality: quality as u16,
-            block_parts: number(self.block_parts.len())?,
+            block_parts: to_u32(self.block_parts.len())?,
             checksum: 0,
         };
         let mut blob = Blob::zeroed(header.blob_len() as usize);
@@ -270,7 +271,7 @@ impl Writer {
             bytemuck::cast_slice(&self.scenes),
             bytemuck::cast_slice(&self.items),
             bytemuck::cast_slice(&self.parts),
-            bytemuck::cast_slice(&self.numbers),
+            bytemuck::cast_slice(&self.indices),
         ];
         let mut rest = &mut blob[..];
         for section in sections {
@@ -285,6 +286,6 @@ impl Writer {
 }
 
 /// A count as a blob has it.
-fn number(count: usize) -> Result<u32, Error> {
+fn to_u32(count: usize) -> Result<u32, Error> {
     u32::try_from(count).map_err(|_| InvalidTree::TooLarge { limit: u32::MAX }.into())
 }

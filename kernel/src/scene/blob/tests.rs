@@ -46,7 +46,8 @@ fn inner() -> Scene<'static> {
     Scene::build(items, &Quality::Fast.into()).unwrap().0
 }
 
-/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, a scene three times, points and curves.
+/// Everything that can be saved: meshes, one that deforms, nothing, what is flat, a scene three times, points and
+/// curves.
 fn town() -> Scene<'static> {
     let mut random = Random(3);
     let from = soup(&mut random, 9, 0.5);
@@ -93,7 +94,7 @@ fn in_place<T>(bytes: &[u8], look: impl FnOnce(&SceneView) -> T) -> Result<T, Er
     let blob = SceneBlob::open(bytes)?;
     let mut items = vec![Item::nothing(); blob.item_count(0).unwrap()];
     let first = blob.view(0, &mut items, &[])?;
-    if blob.scenes() == 1 {
+    if blob.scene_count() == 1 {
         return Ok(look(&first));
     }
     let inner = [first];
@@ -201,7 +202,7 @@ fn the_way_there_does_not_matter() {
     scene.set_mask(handles[0], 0).unwrap();
     assert_eq!(scene.to_bytes().unwrap(), built);
     // One mesh, however many items: of each of them a transform, a record and a part.
-    let mesh_bytes = mesh.statistics().bytes;
+    let mesh_bytes = mesh.statistics().memory_bytes;
     assert!(built.len() < mesh_bytes + 20 * 120 + 5000, "{} of {mesh_bytes}", built.len());
 }
 

@@ -2,7 +2,8 @@
 
 use super::trees::MeshAt;
 use crate::bvh::WIDTH;
-use crate::geometry::setup_lanes::{BoxLanes, SetupLanes};
+use crate::geometry::box_lanes::BoxLanes;
+use crate::geometry::setup_lanes::SetupLanes;
 use crate::geometry::{Aabb, Ray};
 use crate::simd::{Lanes, Simd};
 

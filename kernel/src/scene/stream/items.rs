@@ -25,8 +25,8 @@ impl<'a, A: Answers> SceneStream<'a, A> {
                 crowded |= 1 << place;
                 continue;
             }
-            let number = self.scene.tree().items().get(Child::first_block(leaf) as usize).copied().unwrap_or(u32::MAX);
-            match self.mesh(number, self.ray(place)) {
+            let index = self.scene.tree().items().get(Child::first_block(leaf) as usize).copied().unwrap_or(u32::MAX);
+            match self.mesh(index, self.ray(place)) {
                 Some((item, mesh, ray)) => {
                     entering.push(place, item, mesh, &ray);
                     if entering.is_full() {
@@ -34,18 +34,18 @@ impl<'a, A: Answers> SceneStream<'a, A> {
                         entering.clear();
                     }
                 }
-                None => self.meet_alone::<S>(place, number),
+                None => self.meet_alone::<S>(place, index),
             }
         }
         crowded |= self.enter::<S>(&entering);
         self.finish(crowded);
     }
 
-    /// The item with the box of this number, if the ray sees it and it is made of triangles: its index, where the triangles
-    /// are at the ray's time, and the ray in its space.
+    /// The item of the box at this index of the tree, if the ray sees it and it is made of triangles: its index, where
+    /// the triangles are at the ray's time, and the ray in its space.
     #[inline(always)]
-    fn mesh(&self, number: u32, SceneRay { ray, time, mask }: &SceneRay) -> Option<(u32, MeshAt<'a>, Ray)> {
-        let (part, item) = self.scene.item_of(number)?;
+    fn mesh(&self, index: u32, SceneRay { ray, time, mask }: &SceneRay) -> Option<(u32, MeshAt<'a>, Ray)> {
+        let (part, item) = self.scene.item_of(index)?;
         if item.mask & mask == 0 {
             return None;
         }
@@ -75,8 +75,8 @@ impl<'a, A: Answers> SceneStream<'a, A> {
                 continue;
             }
             active.set_up(&setups, lane, A::ANY);
-            let common = SceneHit { geometry_id: item, ..self.common };
-            active.best = self.answers.to_precede(active.number, t_max, &common);
+            let common = SceneHit { item, ..self.common };
+            active.best = self.answers.to_precede(active.index, t_max, &common);
             self.trees.enter_item(place, item, mesh);
             self.turned &= !(1 << place);
             self.visit_next::<S>(place, Child::Node(0).pack());
@@ -86,18 +86,18 @@ impl<'a, A: Answers> SceneStream<'a, A> {
 
     /// Tests a ray against the object with the box of this index like a single ray, if its mask allows.
     #[inline(always)]
-    fn meet_alone<S: Simd>(&mut self, place: usize, number: u32) {
+    fn meet_alone<S: Simd>(&mut self, place: usize, index: u32) {
         let ray = *self.ray(place);
-        let is_seen = self.scene.item_of(number).is_some_and(|(_, item)| item.mask & ray.mask != 0);
+        let is_seen = self.scene.item_of(index).is_some_and(|(_, item)| item.mask & ray.mask != 0);
         if is_seen {
             let active = &mut self.stream.active[place % ACTIVE];
-            let mut search = self.answers.search(active.number, ray.ray.t_max);
-            meet(self.scene, &ray, number, &mut search);
+            let mut search = self.answers.search(active.index, ray.ray.t_max);
+            meet(self.scene, &ray, index, &mut search);
             if search.t_max() < active.best.t {
                 active.best.t = search.t_max();
                 active.cull::<S>(search.t_max());
             }
-            if self.answers.advance(active.number, search) {
+            if self.answers.advance(active.index, search) {
                 return self.end(1 << place);
             }
         }
@@ -107,6 +107,6 @@ impl<'a, A: Answers> SceneStream<'a, A> {
 
 /// Not inlined, so that its stack frame exists only while it runs.
 #[inline(never)]
-fn meet<Q: Search>(scene: &SceneView, ray: &SceneRay, number: u32, search: &mut Q) {
-    dispatch(scene.isa(), MeetItem { scene, ray, number, search });
+fn meet<Q: Search>(scene: &SceneView, ray: &SceneRay, index: u32, search: &mut Q) {
+    dispatch(scene.isa(), MeetItem { scene, ray, index, search });
 }

@@ -19,8 +19,9 @@ use super::walk::Trace;
 use super::widening::Widening;
 use super::{SceneHit, SceneRay, SceneView};
 use crate::bvh::{Child, Node, WIDTH};
+use crate::geometry::box_lanes::BoxLanes;
 use crate::geometry::setup::NODE_ORIGIN_PAD;
-use crate::geometry::setup_lanes::{BoxLanes, SetupLanes};
+use crate::geometry::setup_lanes::SetupLanes;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Simd, Work, dispatch};
 use crate::traverse::single::moving::{block_between, node_between};
@@ -30,9 +31,6 @@ use crate::traverse::stream::{ActiveRay, Next, Stream, places_of};
 
 /// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
-
-/// Fewer rays are traced one by one, as lanes would be mostly empty.
-pub(super) const LEAST: usize = 24;
 
 /// Rays to trace as a stream, and their answers, of which there are as many.
 pub(super) struct StreamAll<'a, A> {
@@ -113,9 +111,9 @@ impl<'a, A: Answers> SceneStream<'a, A> {
             } else {
                 self.stream.start_eight::<false, S>(&setups, self.rays.len(), root, &self.trees)
             };
-            for (number, place) in (first..).zip(places_of(places)) {
-                let SceneRay { ray, time, .. } = &self.rays[number];
-                self.answers.begin(number, ray.t_max);
+            for (index, place) in (first..).zip(places_of(places)) {
+                let SceneRay { ray, time, .. } = &self.rays[index];
+                self.answers.begin(index, ray.t_max);
                 self.trees.enter_scene(place, *time);
             }
         }
@@ -172,13 +170,13 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn leave<S: Simd>(&mut self, places: u64) {
         for place in places_of(places) {
-            let ActiveRay { best, number, .. } = self.stream.active[place % ACTIVE];
-            if self.answers.leave(number, best, &self.common_of(place)) {
+            let ActiveRay { best, index, .. } = self.stream.active[place % ACTIVE];
+            if self.answers.leave(index, best, &self.common_of(place)) {
                 self.end(1 << place);
                 continue;
             }
             let SceneRay { ray, time, .. } = self.ray(place);
-            let t_max = self.answers.search(number, ray.t_max).t_max();
+            let t_max = self.answers.search(index, ray.t_max).t_max();
             self.stream.active[place % ACTIVE].best = Hit::none_before(t_max);
             self.trees.enter_scene(place, *time);
             self.turned |= 1 << place;
@@ -190,13 +188,13 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn finish(&mut self, crowded: u64) {
         for place in places_of(crowded) {
-            let ActiveRay { best, number, .. } = self.stream.active[place % ACTIVE];
+            let ActiveRay { best, index, .. } = self.stream.active[place % ACTIVE];
             let is_inside = self.trees.inside >> place & 1 != 0;
-            if !(is_inside && self.answers.leave(number, best, &self.common_of(place))) {
+            if !(is_inside && self.answers.leave(index, best, &self.common_of(place))) {
                 let ray = *self.ray(place);
-                let mut search = self.answers.search(number, ray.ray.t_max);
+                let mut search = self.answers.search(index, ray.ray.t_max);
                 dispatch(self.scene.isa(), Trace { scene: self.scene, ray: &ray, search: &mut search });
-                self.answers.advance(number, search);
+                self.answers.advance(index, search);
             }
             self.end(1 << place);
         }
@@ -206,7 +204,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn end(&mut self, places: u64) {
         for place in places_of(places) {
-            self.answers.end(self.stream.active[place % ACTIVE].number);
+            self.answers.end(self.stream.active[place % ACTIVE].index);
         }
         self.stream.busy &= !places;
         self.turned &= !places;
@@ -231,13 +229,13 @@ impl<'a, A: Answers> SceneStream<'a, A> {
     #[inline(always)]
     fn ray(&self, place: usize) -> &'a SceneRay {
         const NOWHERE: &SceneRay = &SceneRay { ray: NO_RAY, time: f32::NAN, mask: 0 };
-        self.rays.get(self.stream.active[place % ACTIVE].number).unwrap_or(NOWHERE)
+        self.rays.get(self.stream.active[place % ACTIVE].index).unwrap_or(NOWHERE)
     }
 
     /// What hits in the item that the ray at a place is in have in common.
     #[inline(always)]
     fn common_of(&self, place: usize) -> SceneHit {
-        SceneHit { geometry_id: self.trees.item(place), ..self.common }
+        SceneHit { item: self.trees.item(place), ..self.common }
     }
 }
 

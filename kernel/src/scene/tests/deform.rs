@@ -1,4 +1,5 @@
-//! Meshes that deform while a scene uses them: two trees in turn, of which one is in the scene and the other is refitted.
+//! Meshes that deform while a scene uses them: two trees in turn, of which one is in the scene and the other is
+//! refitted.
 
 use alloc::sync::Arc;
 
@@ -38,14 +39,14 @@ fn two_trees_in_turn_follow_a_mesh_that_deforms() {
     let mut trees = [tree.clone(), Arc::new((*tree).clone())];
     drop(tree);
     let mut scene: Scene<'static> = Scene::default();
-    let handle = scene.insert(Item::new(trees[0].clone()));
+    let handle = scene.insert(Item::new(trees[0].clone())).unwrap();
     scene.commit().unwrap();
     let rays = rays_onto(count, &mut random);
     for frame in 1..12 {
         let vertices = wave(count, frame as f32);
         let mesh = mesh_of(&vertices, &indices);
         let tree = Arc::get_mut(&mut trees[frame % 2]).expect("after the commit nobody else shares it");
-        tree.refit_mesh_on(&crate::Serial, &mesh).unwrap();
+        tree.refit_mesh(&mesh).unwrap();
         scene.set_object(handle, trees[frame % 2].clone()).unwrap();
         assert!(!scene.commit().unwrap().is_rebuilt);
         let fresh = Bvh::build_mesh(&mesh, &options).unwrap().0;
@@ -68,17 +69,17 @@ fn an_update_that_is_refused_leaves_the_scene_as_it_was() {
     let vertices = wave(count, 0.0);
     let mut tree = Bvh::build_mesh(&mesh_of(&vertices, &indices), &options).unwrap().0;
     let mut scene: Scene<'static> = Scene::default();
-    let handle = scene.insert(Item::new(Arc::new(tree.clone())));
+    let handle = scene.insert(Item::new(Arc::new(tree.clone()))).unwrap();
     scene.commit().unwrap();
     let rays = rays_onto(count, &mut random);
     let hits = |scene: &Scene| rays.iter().map(|ray| bits(scene.view().intersect(ray))).collect::<Vec<_>>();
     let before = hits(&scene);
     let mut broken = vertices.clone();
     broken[5].y = f32::NAN;
-    let error = tree.refit_mesh_on(&crate::Serial, &mesh_of(&broken, &indices)).unwrap_err();
+    let error = tree.refit_mesh(&mesh_of(&broken, &indices)).unwrap_err();
     assert!(matches!(error, Error::Refit(RefitError::Vanished { .. })));
     // Fewer triangles than the tree has.
-    let error = tree.refit_mesh_on(&crate::Serial, &mesh_of(&vertices, &indices[..6])).unwrap_err();
+    let error = tree.refit_mesh(&mesh_of(&vertices, &indices[..6])).unwrap_err();
     assert!(matches!(error, Error::Refit(RefitError::Missing { count: 2, .. })));
     // Fewer vertices than the indices name.
     assert!(IndexedMesh::new(&vertices[..9], Indices::U16(&indices)).is_err());
@@ -96,7 +97,7 @@ fn an_update_that_is_refused_leaves_the_scene_as_it_was() {
         let found = check(&scene.view(), &rays);
         assert_eq!(found > 0, left > 0);
         for hit in rays.iter().filter_map(|ray| scene.view().intersect(ray)) {
-            assert!((hit.hit.prim_id as usize) < 2 * left && scene.handle(hit.geometry_id) == Some(handle));
+            assert!((hit.hit.prim_id as usize) < 2 * left && scene.handle(hit.item) == Some(handle));
         }
     }
 }

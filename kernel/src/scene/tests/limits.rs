@@ -71,7 +71,7 @@ fn rays_beyond_the_limits_hit_nothing() {
     let fast = Ray { direction: Vec3::splat(-5e14), ..good };
     for ray in [far, fast] {
         let found = scene.view().intersect(&Ray { t_max: inf, ..ray }.into());
-        assert!(found.is_none_or(|found| found.geometry_id == 0), "{ray:?}");
+        assert!(found.is_none_or(|found| found.item == 0), "{ray:?}");
         check(&scene.view(), &[ray.into()]);
     }
     let mut random = Random(41);
@@ -105,7 +105,7 @@ fn scenes_nest_until_paths_have_no_numbers() {
         deepest = pair_of(deepest);
         assert_eq!(deepest.levels(), level);
         let found = deepest.intersect(&ray.with_mask(1)).unwrap();
-        assert_eq!((found.hit.t, found.geometry_id, found.depth), (2.0 + level as f32, 0, level as u32));
+        assert_eq!((found.hit.t, found.item, found.depth), (2.0 + level as f32, 0, level as u32));
         assert_eq!(instances(deepest, &found), vec![1; level]);
         let moved = Affine3A::from_translation(vec3(0.0, 0.0, -(level as f32)));
         assert_eq!(deepest.to_scene(&found, 0.0), Some(moved));
@@ -147,11 +147,11 @@ fn paths_are_told_apart_among_items_of_all_kinds() {
     let branch = branch.view();
     let root = scene(vec![leaf, at(40.0, &mesh), empty, Item::new(&branch), at(44.0, &mesh)]);
     let root = root.view();
-    let ways: [(f32, &[u32]); 7] =
+    let paths: [(f32, &[u32]); 7] =
         [(0.0, &[0]), (4.0, &[0]), (40.0, &[]), (8.0, &[3]), (12.0, &[3, 2]), (16.0, &[3, 2]), (44.0, &[])];
-    for (x, way) in ways {
+    for (x, path) in paths {
         let found = root.intersect(&SceneRay::new(Ray::new(vec3(x, 0.0, 1.0), Vec3::NEG_Z))).unwrap();
-        assert_eq!((&instances(&root, &found)[..], found.depth as usize), (way, way.len()), "{x}");
+        assert_eq!((&instances(&root, &found)[..], found.depth as usize), (path, path.len()), "{x}");
     }
 }
 
@@ -207,7 +207,7 @@ fn moving_trees_from_memory_are_checked() {
     let view = tree.view();
     let nodes: Vec<_> = (0..2).flat_map(|key| view.nodes(key).to_vec()).collect();
     let blocks: Vec<_> = (0..2).flat_map(|key| view.blocks(key).to_vec()).collect();
-    let check = |nodes: &[_], blocks: &[_], keys| crate::bvh::MovingView::new(nodes, blocks, keys).err();
+    let check = |nodes: &[_], blocks: &[_], keys| crate::bvh::MovingBvhView::new(nodes, blocks, keys).err();
     assert_eq!(check(&nodes, &blocks, 2), None);
     let bad_keys = |keys| Some(Error::InvalidTree(InvalidTree::BadKeys { keys }));
     assert_eq!((check(&nodes, &blocks, 0), check(&[], &[], 1)), (bad_keys(0), bad_keys(1)));

@@ -23,7 +23,7 @@ use crate::bvh::{MovingBvh, Node};
 use crate::simd::isas;
 use crate::traverse::reference as trees;
 use crate::traverse::tests::{Random, fewer, rays_at, soup};
-use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Triangle};
+use crate::{BuildOptions, Bvh, Error, Hit, InvalidScene, InvalidTree, Quality, Ray, RoundBvh, Sphere, Triangle};
 
 fn bvh(triangles: &[Triangle]) -> Bvh {
     Bvh::build(triangles, &BuildOptions::default()).unwrap().0
@@ -43,14 +43,14 @@ fn bits(hit: Option<SceneHit>) -> Option<[u32; 8]> {
     hit.map(bytemuck::cast)
 }
 
-/// The indices of the items on the way to a hit.
+/// The indices of the items on the path to a hit.
 fn instances(scene: &SceneView, hit: &SceneHit) -> Vec<u32> {
     scene.instances(hit).map(|(index, _)| index).collect()
 }
 
 /// A verdict that looks arbitrary, and depends on the hit alone.
 fn verdict(hit: &SceneHit) -> Verdict {
-    let sum = hit.hit.prim_id ^ hit.hit.t.to_bits() >> 9 ^ hit.geometry_id;
+    let sum = hit.hit.prim_id ^ hit.hit.t.to_bits() >> 9 ^ hit.item;
     if sum.is_multiple_of(3) { Verdict::Accept } else { Verdict::Reject }
 }
 

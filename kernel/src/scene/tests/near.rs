@@ -24,7 +24,7 @@ fn check(scene: &SceneView, random: &mut Random) -> [usize; 2] {
         assert!(flow.is_continue());
         all.sort_unstable();
         let closest = scene.closest_point(point, radius, time, mask);
-        (closest.map(|(at, hit)| (at.to_array().map(f32::to_bits), bits(Some(hit)))), all)
+        (closest.map(|found| (found.point.point.to_array().map(f32::to_bits), bits(Some(found.to_hit())))), all)
     };
     let expected = ask(&scene.with_isa(crate::Isa::SCALAR));
     for isa in isas() {
@@ -69,10 +69,7 @@ fn what_is_not_moved_is_what_its_tree_says() {
     for _ in 0..500 {
         let (point, half) = (random.vector() * 1.5, random.vector().abs() * 0.1);
         let of_tree = tree.view().closest_point(point, 0.5);
-        let of_scene = scene.closest_point(point, 0.5, 0.3, 1).map(|(point, hit)| {
-            let Hit { t, u, v, prim_id } = hit.hit;
-            SurfacePoint { point, distance: t, u, v, prim_id }
-        });
+        let of_scene = scene.closest_point(point, 0.5, 0.3, 1).map(|found| found.point);
         assert_eq!(of_scene.map(bytemuck::cast::<_, [u32; 7]>), of_tree.map(bytemuck::cast));
         let aabb = Aabb { min: point - half, max: point + half };
         let mut all = Vec::new();
@@ -101,10 +98,11 @@ fn instances_are_where_their_transforms_take_them() {
     ]);
     let view = scene.view();
     // 10 + 2 * 0.75 along x, one above.
-    let (point, hit) = view.closest_point(vec3(11.5, 0.5, 1.0), f32::INFINITY, 0.0, u32::MAX).unwrap();
-    assert_eq!((point, hit.hit.t, hit.hit.prim_id), (vec3(11.5, 0.5, 0.0), 1.0, 0));
-    assert_eq!((hit.geometry_id, hit.depth, instances(&view, &hit)), (0, 1, vec![0]));
-    let height = |time: f32| view.closest_point(vec3(0.25, 0.5, 20.0), 100.0, time, 2).map(|(point, _)| point.z);
+    let found = view.closest_point(vec3(11.5, 0.5, 1.0), f32::INFINITY, 0.0, u32::MAX).unwrap();
+    let SurfacePoint { point, distance, prim_id, .. } = found.point;
+    assert_eq!((point, distance, prim_id), (vec3(11.5, 0.5, 0.0), 1.0, 0));
+    assert_eq!((found.item, found.depth, instances(&view, &found.to_hit())), (0, 1, vec![0]));
+    let height = |time: f32| view.closest_point(vec3(0.25, 0.5, 20.0), 100.0, time, 2).map(|found| found.point.point.z);
     assert_eq!([0.0, 0.25, 1.0, 7.0].map(height), [0.0, 2.0, 8.0, 8.0].map(Some));
     assert_eq!(height(f32::NAN), None);
     for radius in [-1.0, f32::NAN, 0.5] {

@@ -26,7 +26,7 @@ fn masks_hide_at_every_level() {
         check(&outer.view(), &[ray]);
         if first.is_some() {
             let found = found.unwrap();
-            assert_eq!((found.geometry_id, found.depth), (mask.trailing_zeros(), 1));
+            assert_eq!((found.item, found.depth), (mask.trailing_zeros(), 1));
             assert_eq!(instances(&outer.view(), &found), [0]);
         }
     }
@@ -71,7 +71,7 @@ fn of_equally_near_hits_the_lowest_ids_count() {
         let scene = scene(order.iter().map(|&i| objects[i].clone()).collect());
         let found = scene.view().intersect(&ray).unwrap();
         // All have a part 0 and t = 2. In the inner scene geometry 0 is the planes.
-        assert_eq!((found.hit.t, found.hit.prim_id, found.geometry_id), (2.0, 0, 0), "{order:?}");
+        assert_eq!((found.hit.t, found.hit.prim_id, found.item), (2.0, 0, 0), "{order:?}");
         let place_of_scene = order.iter().position(|&i| i == 3).unwrap() as u32;
         // The scene's own path is the last.
         assert_eq!(instances(&scene.view(), &found), [place_of_scene], "{order:?}");
@@ -121,7 +121,7 @@ fn filters_see_each_hit_once_and_in_one_order() {
             }
             total += seen.len();
             assert_eq!(*first.get_or_insert_with(|| seen.clone()), seen);
-            seen.sort_unstable_by_key(|hit| (hit.geometry_id, hit.hit.prim_id, hit.path));
+            seen.sort_unstable_by_key(|hit| (hit.item, hit.hit.prim_id, hit.path));
             assert!(seen.windows(2).all(|pair| bits(Some(pair[0])) != bits(Some(pair[1]))));
         }
     }

@@ -91,7 +91,7 @@ fn boxes_of_primitives_overlap_and_their_points_are_not_looked_at() {
             let found = |isa| {
                 let mut found = Vec::new();
                 let flow = scene.with_isa(isa).for_each_overlap(&aabb, 0.0, u32::MAX, |hit| {
-                    found.push((hit.geometry_id, hit.hit.prim_id));
+                    found.push((hit.item, hit.hit.prim_id));
                     ControlFlow::Continue(())
                 });
                 assert!(flow.is_continue());

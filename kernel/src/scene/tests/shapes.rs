@@ -1,4 +1,4 @@
-//! Spheres and quads, lengths, and the way to a hit.
+//! Spheres and quads, lengths, and the path to a hit.
 
 use super::*;
 

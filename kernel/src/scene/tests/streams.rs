@@ -73,13 +73,13 @@ fn rays_at_no_time_hit_nothing_and_short_slices_end_early() {
     for isa in isas() {
         let view = scene.view().with_isa(isa);
         let (mut hits, mut occluded) = (vec![SceneHit::MISS; 90], vec![true; 90]);
-        hits[50].geometry_id = 77;
+        hits[50].item = 77;
         view.intersect_many(&rays, &mut hits);
         view.occluded_many(&rays, &mut occluded);
         for i in 0..50 {
             assert_eq!((hits[i].is_hit(), occluded[i]), (i % 3 != 0, i % 3 != 0), "{}, {i}", isa.level());
         }
-        assert_eq!((hits[50].geometry_id, &occluded[50..]), (77, &[true; 40][..]));
+        assert_eq!((hits[50].item, &occluded[50..]), (77, &[true; 40][..]));
         let mut few = [SceneHit::MISS; 30];
         view.intersect_many(&rays, &mut few);
         assert_eq!(few[..], hits[..30]);

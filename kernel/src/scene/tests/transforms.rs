@@ -79,12 +79,10 @@ fn exact_transforms_give_what_transformed_triangles_do() {
         let (Some(found), Some(expected)) = (found, expected) else { continue };
         hits += 1;
         let instance = instances(&outer.view(), &found)[0];
-        let flat_id = (instance * places.len() as u32 + found.geometry_id) * 80 + found.hit.prim_id;
+        let flat_id = (instance * places.len() as u32 + found.item) * 80 + found.hit.prim_id;
         let again = crate::geometry::intersect_triangle(&ray, &flat[flat_id as usize]).unwrap();
         assert!((found.hit.t - expected.t).abs() <= 4.0 * f32::EPSILON * expected.t.abs(), "{ray:?}");
-        if places[instance as usize].matrix3.x_axis.x != 0.0
-            && places[found.geometry_id as usize].matrix3.x_axis.x != 0.0
-        {
+        if places[instance as usize].matrix3.x_axis.x != 0.0 && places[found.item as usize].matrix3.x_axis.x != 0.0 {
             // No axes exchanged: equal bit for bit.
             let bits = |hit: Hit| [hit.t, hit.u, hit.v].map(f32::to_bits);
             assert_eq!(bits(found.hit), bits(again), "{ray:?}");
@@ -148,7 +146,7 @@ fn instances_are_where_f64_says() {
             hits += 1;
             assert!((f64::from(found.hit.t) - nearest).abs() <= limit, "{ray:?} {found:?} {nearest}");
             // The hit's own point is where its item is.
-            let [a, b, c] = flat[found.geometry_id as usize * 25 + found.hit.prim_id as usize];
+            let [a, b, c] = flat[found.item as usize * 25 + found.hit.prim_id as usize];
             let (u, v) = (f64::from(found.hit.u), f64::from(found.hit.v));
             let (point, along) = (a + (b - a) * u + (c - a) * v, origin + direction * f64::from(found.hit.t));
             assert!((point - along).length() < limit * direction.length() * 10.0, "{ray:?} {point} {along}");

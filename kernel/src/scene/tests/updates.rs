@@ -76,7 +76,8 @@ fn changed_scenes_equal_scenes_built_anew() {
                     };
                     let moving = item.clone().moving_shared(keys.clone());
                     let still = item.placed(&transform(&mut random)).unwrap();
-                    scene.insert(if round > 30 && (pick / 64).is_multiple_of(4) { moving.unwrap() } else { still });
+                    let is_moving = round > 30 && (pick / 64).is_multiple_of(4);
+                    scene.insert(if is_moving { moving.unwrap() } else { still }).unwrap();
                 }
                 continue;
             };
@@ -110,8 +111,8 @@ fn changed_scenes_equal_scenes_built_anew() {
         assert_same_hits(&scene.view(), &fresh.view(), &rays);
         assert_eq!(scene.view().bounds(), fresh.view().bounds());
         for hit in hits(&scene.view(), &rays).iter().filter(|hit| hit.is_hit() && hit.depth == 0) {
-            let handle = scene.handle(hit.geometry_id).unwrap();
-            assert!(handle.index() == hit.geometry_id && scene.get(handle).is_some() && !removed.contains(&handle));
+            let handle = scene.handle(hit.item).unwrap();
+            assert!(handle.index() == hit.item && scene.get(handle).is_some() && !removed.contains(&handle));
         }
     }
     assert!(fits > 15 && builds > 10 && found > fewer(500), "{fits} {builds} {found}");
@@ -122,8 +123,8 @@ fn a_forgotten_commit_leaves_the_scene_as_it_was() {
     let mut random = Random(52);
     let mesh = ball(&mut random, 40);
     let mut scene = Scene::default();
-    let handles: Vec<_> =
-        (0..20).map(|_| scene.insert(Item::new(mesh.clone()).placed(&transform(&mut random)).unwrap())).collect();
+    let mut placed = || Item::new(mesh.clone()).placed(&transform(&mut random)).unwrap();
+    let handles: Vec<_> = (0..20).map(|_| scene.insert(placed()).unwrap()).collect();
     let rays = {
         let fresh =
             Scene::build(handles.iter().map(|&h| scene.get(h).unwrap().clone()).collect(), &BuildOptions::default())
@@ -143,7 +144,7 @@ fn a_forgotten_commit_leaves_the_scene_as_it_was() {
             _ => scene.set_object(handle, ball(&mut random, 3)).unwrap(),
         }
     }
-    let new = scene.insert(Item::new(mesh.clone()));
+    let new = scene.insert(Item::new(mesh.clone())).unwrap();
     // What leaves is still seen, so its place is not yet free.
     assert_eq!(new.index(), 20);
     assert_eq!((hits(&scene.view(), &rays), scene.is_committed()), (before.clone(), false));
@@ -161,8 +162,8 @@ fn what_cannot_be_is_refused_and_nothing_is_lost() {
     let mut random = Random(53);
     let mesh = ball(&mut random, 40);
     let mut scene = Scene::default();
-    let first = scene.insert(Item::new(mesh.clone()));
-    let second = scene.insert(Item::new(mesh.clone()));
+    let first = scene.insert(Item::new(mesh.clone())).unwrap();
+    let second = scene.insert(Item::new(mesh.clone())).unwrap();
     scene.commit().unwrap();
     let rays = rays(&mut random, &scene.view(), 200);
     let before = hits(&scene.view(), &rays);
@@ -185,7 +186,7 @@ fn what_cannot_be_is_refused_and_nothing_is_lost() {
     assert!(scene.get(second).is_none());
     scene.commit().unwrap();
     // Its place is used again, by another name.
-    let third = scene.insert(Item::new(mesh.clone()));
+    let third = scene.insert(Item::new(mesh.clone())).unwrap();
     assert_eq!((third.index(), third.generation()), (1, 1));
     assert_eq!(scene.set_mask(second, 1), gone);
     scene.commit().unwrap();
@@ -217,12 +218,13 @@ fn what_is_flat_or_far_is_hidden_until_it_comes_back() {
     let mut random = Random(54);
     let mesh = ball(&mut random, 40);
     let mut scene = Scene::default();
-    let handle = scene.insert(Item::new(mesh.clone()));
-    let other = scene.insert(Item::new(mesh.clone()).placed(&Affine3A::from_translation(Vec3::splat(9.0))).unwrap());
+    let handle = scene.insert(Item::new(mesh.clone())).unwrap();
+    let other =
+        scene.insert(Item::new(mesh.clone()).placed(&Affine3A::from_translation(Vec3::splat(9.0))).unwrap()).unwrap();
     scene.commit().unwrap();
     let rays = rays(&mut random, &Scene::build(vec![Item::new(mesh)], &BuildOptions::default()).unwrap().0.view(), 300);
     let before = hits(&scene.view(), &rays);
-    let of_first = |hits: &[SceneHit]| hits.iter().filter(|hit| hit.geometry_id == 0).count();
+    let of_first = |hits: &[SceneHit]| hits.iter().filter(|hit| hit.item == 0).count();
     assert!(of_first(&before) > 20);
     for hidden in [Affine3A::from_scale(Vec3::ZERO), Affine3A::from_translation(Vec3::X * 1e13)] {
         scene.set_transform(handle, &hidden).unwrap();
@@ -235,7 +237,7 @@ fn what_is_flat_or_far_is_hidden_until_it_comes_back() {
     }
     // Hidden when it is built, and so not in the tree.
     scene.set_transform(handle, &Affine3A::from_scale(Vec3::ZERO)).unwrap();
-    scene.insert(Item::nothing());
+    scene.insert(Item::nothing()).unwrap();
     scene.commit().unwrap();
     let mut again = scene.clone();
     again.set_transform(handle, &Affine3A::IDENTITY).unwrap();
@@ -256,8 +258,8 @@ fn threads_do_not_change_the_tree() {
         .map(|_| {
             let place = Affine3A::from_translation(random.vector() * 300.0);
             let item = Item::new(mesh.clone()).placed(&place).unwrap();
-            two.insert(item.clone());
-            one.insert(item)
+            two.insert(item.clone()).unwrap();
+            one.insert(item).unwrap()
         })
         .collect();
     let bits = |scene: &Scene| bytemuck::cast_slice::<_, u32>(scene.view().tree().nodes(0)).to_vec();

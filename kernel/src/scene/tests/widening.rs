@@ -135,8 +135,8 @@ fn distorted_items_follow_what_the_scene_reaches() {
     let mesh = Arc::new(bvh(&triangles));
     let place = Affine3A::from_scale(vec3(1.0, 1e-4, 1.0)) * Affine3A::from_rotation_z(0.5);
     let mut scene: Scene<'static> = Scene::default();
-    scene.insert(Item::new(mesh.clone()).placed(&place).unwrap());
-    let other = scene.insert(Item::new(mesh.clone()));
+    scene.insert(Item::new(mesh.clone()).placed(&place).unwrap()).unwrap();
+    let other = scene.insert(Item::new(mesh.clone())).unwrap();
     scene.commit().unwrap();
     let rays = rays_at_rims(&mut random, &triangles, &[place], fewer(600));
     let small = scene.view().tree().bounds();

@@ -65,8 +65,8 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
         greatest(L::select(L::Mask::from_bits(rays), left, L::splat(f32::NEG_INFINITY))).min(2.0)
     }
 
-    /// Finds hits for `rays` that precede the best ones, and gives the rays that have one. With `ANY` it looks for one of
-    /// each, and writes none.
+    /// Finds hits for `rays` that precede the best ones, and gives the rays that have one. With `ANY` it looks for one
+    /// of each, and writes none.
     #[inline(always)]
     pub(super) fn trace<const ANY: bool, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut HitPacket<N>) -> u32 {
         let (mut live, mut all_found) = (rays, 0);

@@ -15,7 +15,7 @@ const CHUNK: usize = 256;
 const KEYS: usize = 3 * 8 * CELLS as usize;
 const CELLS: u16 = 16;
 
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
     tree: &BvhView,
@@ -23,14 +23,14 @@ pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
     mut write: impl FnMut(usize, Hit),
 ) {
     for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
-        let mut write = |number: u8, hit: Hit| write(chunk * CHUNK + usize::from(number), hit);
+        let mut write = |index: u8, hit: Hit| write(chunk * CHUNK + usize::from(index), hit);
         let (keys, order) = sorted(rays);
-        let class = |number: u8| keys[usize::from(number)] / CELLS;
+        let class = |index: u8| keys[usize::from(index)] / CELLS;
         let order = &order[..rays.len().min(CHUNK)];
         for alike in order.chunk_by(|&a, &b| class(a) == class(b)) {
             let (sixteens, rest) = alike.as_chunks::<16>();
-            for numbers in sixteens {
-                together::<ANY, 16, S, S::F16>(tree, rays, numbers, &mut write);
+            for indices in sixteens {
+                together::<ANY, 16, S, S::F16>(tree, rays, indices, &mut write);
             }
             if rest.len() > 8 {
                 together::<ANY, 16, S, S::F16>(tree, rays, rest, &mut write);
@@ -46,18 +46,18 @@ pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
 fn together<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
     tree: &BvhView,
     rays: &[Ray],
-    numbers: &[u8],
+    indices: &[u8],
     write: &mut impl FnMut(u8, Hit),
 ) {
     let mut sorted = [rays[0]; N];
-    for (ray, &number) in sorted.iter_mut().zip(numbers) {
-        *ray = rays[usize::from(number) % rays.len()];
+    for (ray, &index) in sorted.iter_mut().zip(indices) {
+        *ray = rays[usize::from(index) % rays.len()];
     }
     let mut hits = HitPacket::MISS;
-    let packet = RayPacket::from_rays(&sorted[..numbers.len().min(N)]);
+    let packet = RayPacket::from_rays(&sorted[..indices.len().min(N)]);
     let found = super::trace::<ANY, N, S, L>(tree, &packet, &mut hits);
-    for (lane, &number) in numbers.iter().enumerate().take(N) {
-        write(number, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
+    for (lane, &index) in indices.iter().enumerate().take(N) {
+        write(index, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
     }
 }
 
@@ -73,9 +73,9 @@ fn sorted(rays: &[Ray]) -> ([u16; CHUNK], [u8; CHUNK]) {
         ends[key + 1] += ends[key];
     }
     let mut order = [0; CHUNK];
-    for (number, &key) in (0..=u8::MAX).zip(&keys).take(rays.len()) {
+    for (index, &key) in (0..=u8::MAX).zip(&keys).take(rays.len()) {
         let place = &mut ends[usize::from(key)];
-        order[usize::from(*place) % CHUNK] = number;
+        order[usize::from(*place) % CHUNK] = index;
         *place += 1;
     }
     (keys, order)

@@ -1,5 +1,5 @@
-//! The leaf test of a packet: the rays of a [`CoherentPacket`] against the triangles of a block: each triangle against all rays or, if rays are fewer, each
-//! ray against all triangles.
+//! The leaf test of a packet: the rays of a [`CoherentPacket`] against the triangles of a block: each triangle against
+//! all rays or, if rays are fewer, each ray against all triangles.
 
 use super::coherent::CoherentPacket;
 use crate::bvh::{TriangleBlock, WIDTH};

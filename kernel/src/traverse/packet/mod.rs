@@ -1,8 +1,9 @@
 //! Packets of rays, traced together as [`CoherentPacket`]s.
 //!
-//! Rays are coherent if their directions are in the same octant and have the same fastest axis: then they enter boxes through the
-//! same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is traced in as
-//! many parts as it has such classes of directions; rays that are alone, or whose `t_min` is negative, are traced one by one.
+//! Rays are coherent if their directions are in the same octant and have the same fastest axis: then they enter boxes
+//! through the same planes and shear triangles along the same axis, and the lanes need no per-ray choices. A packet is
+//! traced in as many parts as it has such classes of directions; rays that are alone, or whose `t_min` is negative, are
+//! traced one by one.
 
 mod coherent;
 pub(super) mod gather;
@@ -20,22 +21,19 @@ use crate::traverse::single;
 pub struct Width<const N: usize>;
 
 /// The widths that packets come in: 4, 8, 16 and 32.
-pub trait PacketWidth<const N: usize>: sealed::Sealed {
-    #[doc(hidden)]
-    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<N>, hits: &mut HitPacket<N>) -> u32;
-}
+pub trait PacketWidth<const N: usize>: TracePacket<N> {}
 
-mod sealed {
-    pub trait Sealed {}
-    impl Sealed for super::Width<4> {}
-    impl Sealed for super::Width<8> {}
-    impl Sealed for super::Width<16> {}
-    impl Sealed for super::Width<32> {}
+impl<const N: usize> PacketWidth<N> for Width<N> where Self: TracePacket<N> {}
+
+/// Traces packets of a width.
+pub trait TracePacket<const N: usize> {
+    /// A bit mask of the active rays that hit something; writes their nearest hits, or with `ANY` nothing.
+    fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<N>, hits: &mut HitPacket<N>) -> u32;
 }
 
 macro_rules! width {
     ($width:literal, $lanes:ident) => {
-        impl PacketWidth<$width> for Width<$width> {
+        impl TracePacket<$width> for Width<$width> {
             fn trace<const ANY: bool>(tree: &BvhView, rays: &RayPacket<$width>, hits: &mut HitPacket<$width>) -> u32 {
                 struct Trace<'a, const ANY: bool>(&'a BvhView<'a>, &'a RayPacket<$width>, &'a mut HitPacket<$width>);
                 impl<const ANY: bool> Work for Trace<'_, ANY> {

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
+use crate::geometry::SurfacePoint;
 use crate::geometry::closest::{ClosestCandidate, closest_points};
-use crate::geometry::{Hit, MAX_COORDINATE, SurfacePoint};
 use crate::simd::{Lanes, Level, Mask, Simd, Work, dispatch, lanes_of};
 use crate::traverse::reference;
 use crate::traverse::stack::TraversalStack;
@@ -17,17 +17,12 @@ impl BvhView<'_> {
     /// Distances are compared by their squares in `f32`. As with hits, the tree does not matter: it is what a loop over
     /// all triangles gives.
     pub fn closest_point(&self, point: Vec3, radius: f32) -> Option<SurfacePoint> {
-        let in_range = point.abs().cmple(Vec3::splat(MAX_COORDINATE)).all();
-        if !in_range || radius.is_nan() || radius < 0.0 {
-            return None;
-        }
-        let nothing =
-            ClosestCandidate { offset: [0.0; 3], distance2: radius * radius, u: 0.0, v: 0.0, prim_id: Hit::NO_PRIM };
+        let nothing = ClosestCandidate::none_within(point, radius)?;
         let best = match self.isa().level() {
             Level::Scalar => reference::closest_point(self, point, nothing),
             _ => dispatch(self.isa(), Closest { tree: self, point, best: nothing }),
         };
-        (best.prim_id != Hit::NO_PRIM).then(|| best.to_surface(point))
+        best.found(point)
     }
 }
 

@@ -12,10 +12,10 @@ use crate::traverse::collector::Collector;
 
 /// A filter's decision about a hit.
 ///
-/// A filter sees the hits with each triangle at most once. They come in the order of the tree for the octant of the ray's
-/// direction: roughly from near to far, not that of `t`, and the same on every instruction set. So where the verdict
-/// depends on the hit alone and is never [`Stop`](Self::Stop), the result depends on the triangles alone, as without a
-/// filter; what is stopped at depends on the tree too.
+/// A filter sees the hits with each triangle at most once. They come in the order of the tree for the octant of the
+/// ray's direction: roughly from near to far, not that of `t`, and the same on every instruction set. So where the
+/// verdict depends on the hit alone and is never [`Stop`](Self::Stop), the result depends on the triangles alone, as
+/// without a filter; what is stopped at depends on the tree too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// The hit counts.
@@ -27,8 +27,8 @@ pub enum Verdict {
 }
 
 impl BvhView<'_> {
-    /// The nearest hit of `ray` that `filter` accepts; among equally near ones that of the lowest `prim_id`. If the filter
-    /// stops the search, the hit that it stopped at.
+    /// The nearest hit of `ray` that `filter` accepts; among equally near ones that of the lowest `prim_id`. If the
+    /// filter stops the search, the hit that it stopped at.
     ///
     /// The filter sees those hits that are nearer than the nearest one accepted so far (or as near, with a lower
     /// `prim_id`): once each, in the order of [`Verdict`].

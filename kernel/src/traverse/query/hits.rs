@@ -14,7 +14,7 @@ use crate::traverse::collector::Collector;
 impl<'a> BvhView<'a> {
     /// Gives `visit` every hit of `ray`, in the order of [`Verdict`](super::Verdict), until it breaks off; returns
     /// whether it did.
-    pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(Hit) -> ControlFlow<()>) -> ControlFlow<()> {
+    pub fn for_each_hit(&self, ray: &Ray, visit: impl FnMut(&Hit) -> ControlFlow<()>) -> ControlFlow<()> {
         let mut all = Each { t_max: ray.t_max, visit, flow: ControlFlow::Continue(()) };
         self.collect(ray, &mut all);
         all.flow
@@ -71,7 +71,7 @@ struct Each<F> {
     flow: ControlFlow<()>,
 }
 
-impl<F: FnMut(Hit) -> ControlFlow<()>> Collector for Each<F> {
+impl<F: FnMut(&Hit) -> ControlFlow<()>> Collector for Each<F> {
     #[inline(always)]
     fn t_max(&self) -> f32 {
         self.t_max
@@ -79,7 +79,7 @@ impl<F: FnMut(Hit) -> ControlFlow<()>> Collector for Each<F> {
 
     #[inline(always)]
     fn report(&mut self, hit: Hit, _front: bool) -> ControlFlow<()> {
-        self.flow = (self.visit)(hit);
+        self.flow = (self.visit)(&hit);
         self.flow
     }
 }

@@ -2,16 +2,16 @@
 
 use core::ops::ControlFlow;
 
-use crate::bvh::RoundView;
+use crate::bvh::RoundBvhView;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Level, Simd, Work, dispatch};
 use crate::traverse::collector::{ClosestHit, Collector};
 use crate::traverse::single::round;
 use crate::traverse::{TraversalStack, reference};
 
-impl RoundView<'_> {
-    /// The nearest hit of `ray`; among equally near ones that of the lowest `prim_id`. Which crossings with a primitive count,
-    /// [`round`](crate::geometry::round) says.
+impl RoundBvhView<'_> {
+    /// The nearest hit of `ray`; among equally near ones that of the lowest `prim_id`. Which crossings with a primitive
+    /// count, [`round`](crate::geometry::round) says.
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
         self.trace(ray, ClosestHit { best: Hit::none_before(ray.t_max) }).best.found()
     }
@@ -50,7 +50,7 @@ impl RoundView<'_> {
 }
 
 struct Walk<'a, C> {
-    tree: &'a RoundView<'a>,
+    tree: &'a RoundBvhView<'a>,
     ray: &'a Ray,
     collector: C,
 }

@@ -72,7 +72,7 @@ fn hits_in_no_order_are_the_same_everywhere_and_can_be_broken_off() {
         let seen = |isa, most: usize| {
             let mut seen = Vec::new();
             let flow = bvh.view().with_isa(isa).for_each_hit(&ray, |hit| {
-                seen.push(hit);
+                seen.push(*hit);
                 if seen.len() == most { ControlFlow::Break(()) } else { GO_ON }
             });
             assert_eq!(flow.is_break(), seen.len() == most);

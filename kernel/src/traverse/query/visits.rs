@@ -1,7 +1,7 @@
 //! The cost of a ray: the nodes and blocks that it visits, front to back, up to its nearest hit.
 //!
-//! It is counted by a walk of its own, one box at a time, so that it is the same number on every machine. A batch visits
-//! the same subtrees, save those whose boxes the ray only grazes: each backend widens boxes by its own rounding.
+//! It is counted by a walk of its own, one box at a time, so that it is the same number on every machine. A batch
+//! visits the same subtrees, save those whose boxes the ray only grazes: each backend widens boxes by its own rounding.
 
 use crate::bvh::{BvhView, Child, MAX_STACK, WIDTH};
 use crate::geometry::setup::RaySetup;

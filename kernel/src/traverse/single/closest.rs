@@ -1,6 +1,6 @@
-//! The nearest hit of one ray. Children are visited in the order of their distances: the nearest is visited at once, the
-//! others wait on the stack, each with its distance. Nodes of which the ray meets no child, one, or two are most, and have
-//! direct paths.
+//! The nearest hit of one ray. Children are visited in the order of their distances: the nearest is visited at once,
+//! the others wait on the stack, each with its distance. Nodes of which the ray meets no child, one, or two are most,
+//! and have direct paths.
 
 use crate::bvh::{BvhView, Child, Node};
 use crate::geometry::setup::RaySetup;
@@ -11,8 +11,8 @@ use crate::traverse::collector::ClosestHit;
 use crate::traverse::leaf_test::intersect_block;
 use crate::traverse::node_test::{NodeTest, prefetch};
 
-/// A subtree on the stack: where the ray enters its box in the upper half, so that entries compare as their distances do
-/// (in the wrong order if those are negative, which only costs time), and the subtree in the lower one.
+/// A subtree on the stack: where the ray enters its box in the upper half, so that entries compare as their distances
+/// do (in the wrong order if those are negative, which only costs time), and the subtree in the lower one.
 #[inline(always)]
 fn entry(near: f32, child: u32) -> u64 {
     u64::from(near.to_bits()) << 32 | u64::from(child)

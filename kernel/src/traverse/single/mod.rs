@@ -1,9 +1,9 @@
 //! The single-ray intersector: one ray against the eight boxes of a node, or the eight triangles of a block, at a time.
 //! What becomes of the hits, a [`Collector`] decides.
 //!
-//! Children are visited in the order that each node keeps for the octant of the ray's direction, blocks and triangles in
-//! that of memory. Backends round boxes differently, and so may visit subtrees that others leave out, but there are no
-//! hits in those: the hits that a collector sees, and their order, are the same on all.
+//! Children are visited in the order that each node keeps for the octant of the ray's direction, blocks and triangles
+//! in that of memory. Backends round boxes differently, and so may visit subtrees that others leave out, but there are
+//! no hits in those: the hits that a collector sees, and their order, are the same on all.
 
 mod any;
 mod closest;

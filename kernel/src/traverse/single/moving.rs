@@ -4,7 +4,7 @@
 use core::ops::{ControlFlow, Range};
 
 use super::{Collector, Intersector, traverse};
-use crate::bvh::{MovingView, Node, TriangleBlock, WIDTH};
+use crate::bvh::{MovingBvhView, Node, TriangleBlock, WIDTH};
 use crate::geometry::Ray;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{Axis, RaySetup, Slabs};
@@ -17,7 +17,7 @@ use crate::traverse::stack::TraversalStack;
 /// [`super::walk`]. At a key, this is the walk through the tree of that key.
 #[inline(always)]
 pub(crate) fn walk<S: Simd, C: Collector>(
-    tree: &MovingView,
+    tree: &MovingBvhView,
     ray: &Ray,
     time: f32,
     stack: &mut TraversalStack,

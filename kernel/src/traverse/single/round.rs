@@ -1,10 +1,10 @@
-//! Walks through trees of points and curves. The margins of a block's eight primitives are computed in lanes; which of the few
-//! that are near are hit, and where, the scalar definition says.
+//! Walks through trees of points and curves. The margins of a block's eight primitives are computed in lanes; which of
+//! the few that are near are hit, and where, the scalar definition says.
 
 use core::ops::{ControlFlow, Range};
 
 use super::{Collector, Intersector, traverse};
-use crate::bvh::{RoundBlock, RoundView, WIDTH, with_blocks};
+use crate::bvh::{RoundBlock, RoundBvhView, WIDTH, with_blocks};
 use crate::geometry::round::{self, RayFrame};
 use crate::geometry::setup::{RaySetup, Slabs};
 use crate::geometry::{Hit, Ray};
@@ -14,7 +14,7 @@ use crate::traverse::stack::TraversalStack;
 /// Shows `collector` the hits of one ray, as [`super::walk`] does; all of them count as from the front.
 #[inline(always)]
 pub(crate) fn walk<S: Simd, C: Collector>(
-    tree: &RoundView,
+    tree: &RoundBvhView,
     isa: Isa,
     ray: &Ray,
     stack: &mut TraversalStack,
@@ -28,7 +28,7 @@ pub(crate) fn walk<S: Simd, C: Collector>(
 
 /// Points or curves, and the collector of the hits.
 struct Rounds<'a, C> {
-    tree: &'a RoundView<'a>,
+    tree: &'a RoundBvhView<'a>,
     isa: Isa,
     ray: &'a Ray,
     frame: RayFrame,

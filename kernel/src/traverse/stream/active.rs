@@ -1,9 +1,9 @@
 //! A ray of a stream: what it needs at a visit, in whole cache lines, and its own short stack.
 
 use super::NONE;
-use crate::bvh::{Child, Node, TriangleBlock, WIDTH};
+use crate::bvh::{Child, Node, SLOTS_IN_ORDER, TriangleBlock, WIDTH};
 use crate::geometry::Hit;
-use crate::geometry::setup_lanes::{FORWARD, SetupRows};
+use crate::geometry::setup_rows::{FORWARD, SetupRows};
 use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{CompressChildren, Lanes, Simd};
 use crate::traverse::collector::ClosestHit;
@@ -12,9 +12,6 @@ use crate::traverse::node_test::{self, visit_octant};
 
 /// Entries of a ray's stack: enough for nearly all rays. One that needs more is traced by the single-ray intersector.
 const ROOM: usize = 32;
-
-/// The slots themselves, in order.
-const IN_ORDER: u32 = 0o76543210;
 
 /// An active ray: a cache line for the node test, one for the leaf test, and the stack, with [`NONE`] at its bottom.
 #[derive(Clone, Copy)]
@@ -34,7 +31,7 @@ pub(crate) struct ActiveRay {
     pub(super) corners: [u8; 3],
     height: u8,
     /// Of the ray in its batch.
-    pub(crate) number: usize,
+    pub(crate) index: usize,
     children: Entries<u32>,
     near: Entries<f32>,
 }
@@ -57,7 +54,7 @@ impl ActiveRay {
         line: [0.0; 8],
         corners: [0; 3],
         height: 0,
-        number: 0,
+        index: 0,
         children: Entries([0; ROOM]),
         near: Entries([0.0; ROOM]),
     };
@@ -69,13 +66,13 @@ impl ActiveRay {
         &mut self,
         setups: &SetupRows,
         lane: usize,
-        number: usize,
+        index: usize,
         root: &Node,
         (near, far): (S::F8, S::F8),
     ) -> u32 {
         self.set_up(setups, lane, ANY);
         self.best = Hit::none_before(self.slabs[7]);
-        self.number = number;
+        self.index = index;
         (self.children.0[0], self.near.0[0]) = (NONE, f32::NEG_INFINITY);
         self.height = 1;
         let _ = self.push_children::<S>(root, near, far, root.order[usize::from(self.octant & 7)]);
@@ -167,7 +164,7 @@ impl ActiveRay {
             if let (Some(kept), Some(distances)) =
                 (self.children.0[to..].first_chunk_mut(), self.near.0[to..].first_chunk_mut())
             {
-                left += S::F8::compress(near, t_max, IN_ORDER, &children, kept, distances) as u8;
+                left += S::F8::compress(near, t_max, SLOTS_IN_ORDER, &children, kept, distances) as u8;
             }
             from = from.saturating_add(WIDTH as u8);
             if from >= height {

@@ -1,5 +1,5 @@
-//! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a ray of
-//! its own.
+//! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a
+//! ray of its own.
 
 use super::Trees;
 use super::active::ActiveRay;
@@ -28,10 +28,10 @@ impl Candidates {
         self.len > ROOM
     }
 
-    /// Adds the triangles of a block that the active ray of this number may hit. If there is [no room](Self::is_full), they
-    /// are lost.
+    /// Adds the triangles of a block that the active ray of this index may hit. If there is [no room](Self::is_full),
+    /// they are lost.
     #[inline(always)]
-    pub(super) fn collect<S: Simd>(&mut self, ray: &ActiveRay, number: u8, block: u32, blocks: &[TriangleBlock]) {
+    pub(super) fn collect<S: Simd>(&mut self, ray: &ActiveRay, ray_index: u8, block: u32, blocks: &[TriangleBlock]) {
         if let Some(rows) = blocks.get(block as usize) {
             let rows: &[f32; 80] = bytemuck::cast_ref(rows);
             let line = LineLanes::<S::F8>::splat(&ray.line);
@@ -41,7 +41,7 @@ impl Candidates {
                 rows_from(rows, [x + 24, y + 24, z + 24]),
                 rows_from(rows, [x + 48, y + 48, z + 48]),
             ];
-            self.push::<S>(block, triangle::inside(&line, corners), number);
+            self.push::<S>(block, triangle::inside(&line, corners), ray_index);
         }
     }
 
@@ -79,7 +79,7 @@ impl Candidates {
     }
 }
 
-/// A corner of a block's triangles, of which the coordinates begin at these numbers of the block.
+/// A corner of a block's triangles, of which the coordinates begin at these indices of the block's floats.
 #[inline(always)]
 fn rows_from<L: Lanes<WIDTH>>(block: &[f32; 80], [x, y, z]: [usize; 3]) -> [L; 3] {
     [row(block, x), row(block, y), row(block, z)]
@@ -87,7 +87,7 @@ fn rows_from<L: Lanes<WIDTH>>(block: &[f32; 80], [x, y, z]: [usize; 3]) -> [L; 3
 
 #[inline(always)]
 fn row<L: Lanes<WIDTH>>(block: &[f32; 80], first: usize) -> L {
-    L::load(block[first..first + WIDTH].first_chunk().expect("eight numbers"))
+    L::load(block[first..first + WIDTH].first_chunk().expect("eight floats"))
 }
 
 /// A triangle of a block, as a ray sees it.
@@ -142,10 +142,10 @@ fn corner<S: Simd>(triangles: &[Seen; WIDTH], corner: usize) -> [S::F8; 3] {
 fn test_eight<const ANY: bool, const N: usize, S: Simd>(
     trees: &impl Trees,
     codes: &[u32; WIDTH],
-    numbers: &[u8; WIDTH],
+    rays: &[u8; WIDTH],
     active: &mut [ActiveRay; N],
 ) {
-    let places = numbers.map(|number| usize::from(number) % N);
+    let places = rays.map(|ray_index| usize::from(ray_index) % N);
     let rays = places.map(|place| &active[place]);
     let mut triangles = [Seen::new(trees.blocks(places[0]), codes[0], rays[0]); WIDTH];
     let mut rows = [S::F8::load(&rays[0].line); WIDTH];

@@ -1,5 +1,5 @@
-//! Eight lines, a lane each, against a block's triangles in turn: where lines cross is found for all triangles first, and
-//! then tested in full with a triangle of its own in each lane, looked up in the block.
+//! Eight lines, a lane each, against a block's triangles in turn: where lines cross is found for all triangles first,
+//! and then tested in full with a triangle of its own in each lane, looked up in the block.
 
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Hit;
@@ -18,8 +18,8 @@ pub(super) fn no_hits<L: Lanes<WIDTH>>(t_min: L, t_max: L) -> HitLanes<L> {
     [t_max, zero, zero, L::splat(f32::from_bits(Hit::NO_PRIM)), t_min, zero, zero, zero]
 }
 
-/// Takes hits of the lines with a block's triangles that precede those found before. Whether there may be any. With `ANY`
-/// one hit is as good as any other, and nothing is nearer than that.
+/// Takes hits of the lines with a block's triangles that precede those found before. Whether there may be any. With
+/// `ANY` one hit is as good as any other, and nothing is nearer than that.
 #[inline(always)]
 pub(super) fn hit<const ANY: bool, S: Simd>(
     block: &TriangleBlock,

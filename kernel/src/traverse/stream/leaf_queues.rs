@@ -2,16 +2,17 @@
 //! fastest along the same axis, which then meet the leaf's triangles together, a lane each (queues of rays at places of
 //! the scene: Pharr, Kolb, Gershbein and Hanrahan 1997).
 //!
-//! So small a tree stays in the first-level cache, and there is no latency to hide; what a stream does for each ray alone,
-//! its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are looked up in
-//! their block's own lanes.
+//! So small a tree stays in the first-level cache, and there is no latency to hide; what a stream does for each ray
+//! alone, its lists and the gathering of triangles one by one, would be most of what a ray costs. Here triangles are
+//! looked up in their block's own lanes.
 
 use core::hint::select_unpredictable;
 
 use super::lanes;
 use crate::bvh::{BvhView, Child, Node, WIDTH};
 use crate::geometry::setup::Axis;
-use crate::geometry::setup_lanes::{FORWARD, SetupLanes, rows};
+use crate::geometry::setup_lanes::SetupLanes;
+use crate::geometry::setup_rows::{FORWARD, rows};
 use crate::geometry::triangle::LineLanes;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{CompressChildren, Lanes, Mask, Simd};
@@ -31,8 +32,8 @@ pub(in crate::traverse) fn suit(tree: &BvhView) -> bool {
     tree.nodes().len() == 1 && tree.blocks().len() <= MAX_BLOCKS
 }
 
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The tree
-/// has a single node.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order. The
+/// tree has a single node.
 #[inline(always)]
 pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
     tree: &BvhView,
@@ -56,7 +57,7 @@ pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
         for group in &round[..len] {
             if group.queue == ARRIVED {
                 for &i in group.rays() {
-                    write(waiting.numbers[usize::from(i) % RAYS], waiting.result(i));
+                    write(waiting.indices[usize::from(i) % RAYS], waiting.result(i));
                 }
             } else {
                 let leaf = root.children[group.queue / 4 % WIDTH];
@@ -118,8 +119,8 @@ impl Queues {
         self.full |= u64::from(len + 1 >= WIDTH as u8) << queue;
     }
 
-    /// Takes groups from full queues, as many as there are and as there is room for; if none is full, one from the longest.
-    /// Gives their number, which is 0 if all queues are empty.
+    /// Takes groups from full queues, as many as there are and as there is room for; if none is full, one from the
+    /// longest. Gives their number, which is 0 if all queues are empty.
     #[inline(always)]
     fn take_round(&mut self, round: &mut [Group; ROUND]) -> usize {
         let Some(mut queue) = self.next() else { return 0 };
@@ -174,7 +175,7 @@ struct Waiting {
     leaves: [[u32; WIDTH]; RAYS],
     near: [[f32; WIDTH]; RAYS],
     /// Of each ray in its batch.
-    numbers: [usize; RAYS],
+    indices: [usize; RAYS],
     heights: [u8; RAYS],
 }
 
@@ -184,12 +185,12 @@ impl Waiting {
         found: [[0.0; WIDTH]; RAYS],
         leaves: [[0; WIDTH]; RAYS],
         near: [[0.0; WIDTH]; RAYS],
-        numbers: [0; RAYS],
+        indices: [0; RAYS],
         heights: [0; RAYS],
     };
 
-    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`: at
-    /// most eight.
+    /// Takes rays, from the one numbered `first` on, through the root, as many as there are and as there are `slots`:
+    /// at most eight.
     #[inline(always)]
     fn start<const ANY: bool, S: Simd>(
         &mut self,
@@ -208,9 +209,9 @@ impl Waiting {
         let (near, far) = intersect_children::<S>(&setups, root);
         let found = rows::<S>(lanes::no_hits(setups.t_min, setups.t_max));
         let (lines, classes) = (rows::<S>(setups.lines), setups.classes());
-        for (lane, &number) in slots.iter().enumerate().take(rays.len() - first) {
-            let (i, lane) = (usize::from(number) % RAYS, lane % WIDTH);
-            self.numbers[i] = first + lane;
+        for (lane, &slot) in slots.iter().enumerate().take(rays.len() - first) {
+            let (i, lane) = (usize::from(slot) % RAYS, lane % WIDTH);
+            self.indices[i] = first + lane;
             (self.lines[i], self.found[i]) = (lines[lane], found[lane]);
             let order = root.order[usize::from(visit_octant(classes.octant(lane), ANY) & 7)];
             let leaves = &QUEUE_OF[classes.fastest(lane) % 3];

@@ -1,12 +1,12 @@
-//! A ray stream: up to 64 rays are traced at the same time, in phases: all that visit a node next, then all that visit a block
-//! of a leaf, then all triangles whose edges a ray's line passes inside of.
+//! A ray stream: up to 64 rays are traced at the same time, in phases: all that visit a node next, then all that visit
+//! a block of a leaf, then all triangles whose edges a ray's line passes inside of.
 //!
 //! What a ray visits next is as good as random, and so is whether its line crosses a triangle: one ray alone pays a
-//! mispredicted branch for each. Here a visit puts its ray on the list of the next visit's kind, and nothing branches on
-//! it; and each ray prefetches what it visits next a whole round before its turn (what the database people call asynchronous
-//! memory access chaining: Kocberber, Falsafi and Grot 2015). Triangles that are crossed are few, and their test is long:
-//! they are collected from all rays, and tested eight at a time, each lane with a ray of its own. All rays visit the root
-//! first, eight at a time, a lane each.
+//! mispredicted branch for each. Here a visit puts its ray on the list of the next visit's kind, and nothing branches
+//! on it; and each ray prefetches what it visits next a whole round before its turn (what the database people call
+//! asynchronous memory access chaining: Kocberber, Falsafi and Grot 2015). Triangles that are crossed are few, and
+//! their test is long: they are collected from all rays, and tested eight at a time, each lane with a ray of its own.
+//! All rays visit the root first, eight at a time, a lane each.
 
 mod active;
 mod candidates;
@@ -17,7 +17,8 @@ pub(crate) use active::ActiveRay;
 use candidates::Candidates;
 
 use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
-use crate::geometry::setup_lanes::{SetupLanes, SetupRows};
+use crate::geometry::setup_lanes::SetupLanes;
+use crate::geometry::setup_rows::SetupRows;
 use crate::geometry::{Hit, Ray};
 use crate::simd::{Lanes, Simd};
 use crate::traverse::node_test::{intersect_children, prefetch_of};
@@ -28,6 +29,10 @@ pub(crate) const NONE: u32 = u32::MAX;
 
 /// Rays that are traced at the same time. Fewer hide less latency; more do not fit into the first-level cache.
 const MAX_ACTIVE: usize = 64;
+
+/// Fewer rays are traced one by one: most lanes would be empty, and setting up a stream would take longer than it
+/// saves.
+pub(crate) const MIN_STREAM_RAYS: usize = 24;
 
 /// The trees that the rays of a stream are in, each at its place.
 pub(crate) trait Trees {
@@ -48,7 +53,7 @@ impl Trees for BvhView<'_> {
     }
 }
 
-/// Gives `write` the number of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
 pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
     let mut stream = Stream::<MAX_ACTIVE>::EMPTY;
@@ -65,12 +70,12 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
         let crowded = stream.visit_nodes::<S>(nodes, tree);
         stream.visit_leaves::<ANY, S>(leaves, tree);
         for place in places_of(ended) {
-            write(stream.active[place].number, stream.active[place].best.or_miss());
+            write(stream.active[place].index, stream.active[place].best.or_miss());
         }
         for place in places_of(crowded) {
             let ray = &stream.active[place];
-            if let Some(original) = rays.get(ray.number) {
-                write(ray.number, single::finish(tree, original, ray.best, ANY).or_miss());
+            if let Some(original) = rays.get(ray.index) {
+                write(ray.index, single::finish(tree, original, ray.best, ANY).or_miss());
             }
         }
         stream.busy &= !(ended | crowded);
@@ -87,7 +92,8 @@ fn ray_lanes<S: Simd>(rays: &[Ray]) -> [S::F8; WIDTH] {
     S::transpose(rows)
 }
 
-/// Up to `N` rays that are traced at the same time, each at a place of its own; `N` is a multiple of eight, and at most 64.
+/// Up to `N` rays that are traced at the same time, each at a place of its own; `N` is a multiple of eight, and at
+/// most 64.
 pub(crate) struct Stream<const N: usize> {
     pub(crate) active: [ActiveRay; N],
     /// The next visit of each ray.
@@ -121,8 +127,8 @@ impl<const N: usize> Stream<N> {
         self.started < rays && (Self::ALL & !self.busy).count_ones() as usize >= WIDTH
     }
 
-    /// Starts the next rays of the batch, up to eight, from their setup: tests the root of their tree, with a ray in each
-    /// lane. Gives their places.
+    /// Starts the next rays of the batch, up to eight, from their setup: tests the root of their tree, with a ray in
+    /// each lane. Gives their places.
     #[inline(always)]
     pub(crate) fn start_eight<const ANY: bool, S: Simd>(
         &mut self,

@@ -100,8 +100,8 @@ fn rays_of_raw_bits() {
     }
 }
 
-/// Rays of all kinds, tiny triangles among them, with subnormal numbers flushed to zero: all ways agree with the loop that
-/// runs likewise. Where nothing is tiny, hits are those of other processes to the bit.
+/// Rays of all kinds, tiny triangles among them, with subnormal numbers flushed to zero: all ways agree with the loop
+/// that runs likewise. Where nothing is tiny, hits are those of other processes to the bit.
 #[test]
 #[cfg(all(target_arch = "x86_64", not(miri)))]
 fn flushed_subnormals_change_nothing_that_matters() {

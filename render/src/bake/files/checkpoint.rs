@@ -4,8 +4,8 @@
 //! up the checkpoint before it traces rays; as everything else follows from these values, it ends with the same bytes
 //! as an uninterrupted one.
 //!
-//! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key, number
-//! of words, words), and the FNV-1a hash of all that, everything little-endian. It is replaced in one step.
+//! The file: magic bytes, a version, the hash of what is baked, the number of entries, the entries by their keys (key,
+//! number of words, words), and the FNV-1a hash of all that, everything little-endian. It is replaced in one step.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -39,7 +39,7 @@ pub(crate) enum Stage {
     Moments = 4,
     /// Irradiance records of the rough cache.
     Rough = 5,
-    /// The number of the shard whose texels these are, and how many shards there are.
+    /// The index of the shard whose texels these are, and how many shards there are.
     Shard = 6,
 }
 
@@ -113,11 +113,12 @@ impl Checkpoint {
         bytes.starts_with(&MAGIC)
     }
 
-    /// The file of a checkpoint with all that shards of a bake have found, of whose files these are the names and bytes.
+    /// The file of a checkpoint with all that shards of a bake have found, of whose files these are the names and
+    /// bytes.
     ///
     /// # Errors
-    /// If one is no shard's checkpoint or damaged, or of another level or other options than the first; if they are not all
-    /// shards, each once.
+    /// If one is no shard's checkpoint or damaged, or of another level or other options than the first; if they are not
+    /// all shards, each once.
     pub fn merge(files: &[(String, Vec<u8>)]) -> Result<Vec<u8>, Invalid> {
         const AGAIN: &str = "find this part again: `halfdome bake --shard`";
         let (mut shards, mut all, mut hash) = (Vec::new(), Entries::new(), None);

@@ -72,8 +72,8 @@ pub struct PageEntry {
 /// The source of a page's light.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DirectionalEntry {
-    /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those of
-    /// `sh`, which have signs, are coefficients of radiance.
+    /// A KTX2 array of textures in half floats, beside the manifest. Layers of `hl2` are in the unit of the page; those
+    /// of `sh`, which have signs, are coefficients of radiance.
     pub file: String,
     /// The names of its layers, as [`Layer::name`](crate::bake::Layer::name) has them.
     pub layers: Vec<String>,
@@ -86,7 +86,7 @@ pub struct SurfaceEntry {
     pub name: String,
     /// The node that shows it, if the model is a glTF file.
     pub node: Option<usize>,
-    /// The number of the primitive in that node's mesh, likewise.
+    /// The index of the primitive in that node's mesh, likewise.
     pub primitive: Option<usize>,
     /// The page.
     pub page: usize,

@@ -1,6 +1,7 @@
 //! Wavefront OBJ with lightmap coordinates as its `vt`, for pipelines without glTF.
 //!
-//! Positions are the scene's, in world space. OBJ counts v from below, so it is turned; the page of a group is in its name.
+//! Positions are the scene's, in world space. OBJ counts v from below, so it is turned; the page of a group is in its
+//! name.
 
 use std::fmt::Write as _;
 

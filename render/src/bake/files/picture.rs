@@ -4,9 +4,8 @@ use crate::bake::layout::atlas::{Atlas, NO_CHART};
 use crate::bake::layout::check::Check;
 use crate::bake::layout::raster::rasterize;
 use crate::output::false_color::categorical_hue;
+use crate::output::html::OUTSIDE;
 
-/// Outside of all charts.
-const BACKGROUND: [u8; 3] = [24, 24, 28];
 /// Overlaps of charts.
 const OVERLAP: [u8; 3] = [255, 0, 0];
 
@@ -28,7 +27,7 @@ pub fn charts_picture(atlas: &Atlas, check: &Check, page: usize) -> Vec<u8> {
         .into_iter()
         .map(|(sum, area)| {
             let rest = (1.0 - area).max(0.0);
-            let mix = |i: usize| (sum[i] + rest * f64::from(BACKGROUND[i])) / (area + rest);
+            let mix = |i: usize| (sum[i] + rest * f64::from(OUTSIDE[i])) / (area + rest);
             [0, 1, 2].map(|i| mix(i).round() as u8)
         })
         .collect();

@@ -1,14 +1,14 @@
 //! The HTML report of a bake.
 //!
-//! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache put
-//! its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
+//! Each page is shown as a row of pictures: its light, its charts in colours, the density of texels, where the cache
+//! put its records, and an estimate of the error if there is one. Pictures larger than 1024 texels leave texels out.
 
 use std::path::Path;
 
 use glam::Vec3;
 
 use crate::output::false_color;
-use crate::output::html::{Html, Plane, escaped, percentile};
+use crate::output::html::{Html, OUTSIDE, Plane, escaped, percentile};
 use crate::output::{OutputError, ToneMapping};
 
 /// The contents of the report.
@@ -33,7 +33,7 @@ pub struct ReportPage {
     pub width: u32,
     /// Texels down, at least 1.
     pub height: u32,
-    /// The number of each texel's chart; `None` outside of all.
+    /// The index of each texel's chart; `None` outside of all.
     pub charts: Vec<Option<u32>>,
     /// Texels per unit of length at each texel; not a number outside.
     pub density: Vec<f32>,
@@ -45,8 +45,6 @@ pub struct ReportPage {
     pub error: Option<Vec<f32>>,
 }
 
-/// Texels outside of charts.
-const OUTSIDE: [u8; 3] = [24, 24, 28];
 /// A record, on dark charts.
 const RECORD: [u8; 3] = [255, 214, 64];
 

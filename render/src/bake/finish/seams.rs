@@ -27,15 +27,16 @@ const DARKEST: f64 = 1e-4;
 /// Steps at creases up to this many times their noise are noise.
 const NOISE: f64 = 4.0;
 /// So are all up to this: a cache's noise is as smooth as light itself.
-const LEAST_STEP: f64 = 0.05;
-/// None above this is: what a chart's noise says is wrong where light changes within a few texels, or where there is none.
-const MOST_STEP: f64 = 0.25;
+const MIN_STEP: f64 = 0.05;
+/// None above this is: what a chart's noise says is wrong where light changes within a few texels, or where there is
+/// none.
+const MAX_STEP: f64 = 0.25;
 /// Second differences that a chart must have to know its noise.
-const FEWEST: usize = 16;
+const MIN_DIFFERENCES: usize = 16;
 /// Points along a cut for each texel.
 const POINTS: f64 = 4.0;
 /// Ends of sides within this many texels are the same.
-const SAME: f64 = 1e-6;
+const MERGE_DISTANCE: f64 = 1e-6;
 /// Steps of the solver, at most.
 const MAX_STEPS: u32 = 2000;
 /// The part of the residual's square at which it ends.
@@ -79,7 +80,7 @@ pub(crate) struct CutSide {
 impl CutSide {
     /// Whether both are one line of one chart, to rounding.
     fn is_at(&self, other: &Self) -> bool {
-        let is_near = |i: usize| self.ends[i].distance(other.ends[i]) < SAME;
+        let is_near = |i: usize| self.ends[i].distance(other.ends[i]) < MERGE_DISTANCE;
         (self.page, self.chart) == (other.page, other.chart) && is_near(0) && is_near(1)
     }
 }
@@ -150,7 +151,7 @@ impl Seams {
         };
         for cut in cuts {
             let of_both = cut.sides.map(|side| noise[side.chart as usize].powi(2)).iter().sum::<f64>().sqrt();
-            let most = if cut.is_smooth { f64::INFINITY } else { (NOISE * of_both).clamp(LEAST_STEP, MOST_STEP) };
+            let most = if cut.is_smooth { f64::INFINITY } else { (NOISE * of_both).clamp(MIN_STEP, MAX_STEP) };
             for (places, &sampling) in cut.places(0.5).flat_map(|places| samplings.iter().map(move |by| (places, by))) {
                 let side = |i: usize| {
                     let CutSide { page, chart, .. } = cut.sides[i];
@@ -296,7 +297,8 @@ fn noise(atlas: &Atlas, page_texels: &[PageTexels], brightness: &[Vec<f32>]) -> 
     for (grid, brightness) in page_texels.iter().zip(brightness) {
         View { grid, brightness }.differences(&mut differences);
     }
-    let noise = |differences: &mut Vec<f32>| if differences.len() < FEWEST { 0.0 } else { sigma(differences).into() };
+    let noise =
+        |differences: &mut Vec<f32>| if differences.len() < MIN_DIFFERENCES { 0.0 } else { sigma(differences).into() };
     differences.iter_mut().map(noise).collect()
 }
 

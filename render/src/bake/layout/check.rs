@@ -6,7 +6,7 @@ use std::fmt;
 use super::atlas::{Atlas, NO_CHART};
 use super::islands::{area, stretch};
 use super::raster::{Polygon, rasterize};
-use super::texels::LEAST_COVERAGE;
+use super::texels::MIN_COVERAGE;
 use crate::scene::{Scene, count};
 
 /// Two triangles overlap in a texel if they share more than this part of it; less is rounding.
@@ -207,15 +207,15 @@ fn find_overlaps(atlas: &Atlas, padding: u32, found: &mut Check) {
     found.overlaps.sort_by_key(|overlap| std::cmp::Reverse(overlap.texels));
 }
 
-/// The charts that a bake shows in the texel of which these are the pieces: it leaves to the gutter what hardly covers any of
-/// it, as does a chart that ends at the texel's border but for rounding.
+/// The charts that a bake shows in the texel of which these are the pieces: it leaves to the gutter what hardly covers
+/// any of it, as does a chart that ends at the texel's border but for rounding.
 fn charts_shown(pieces: &[(u32, u32, Polygon)]) -> Vec<u32> {
     let area = |chart: u32| -> f64 {
         pieces.iter().filter(|(_, other, _)| *other == chart).map(|(.., piece)| piece.area().abs()).sum()
     };
     let mut charts: Vec<u32> = pieces.iter().map(|(_, chart, _)| *chart).collect();
     charts.dedup();
-    charts.retain(|chart| area(*chart) >= f64::from(LEAST_COVERAGE));
+    charts.retain(|chart| area(*chart) >= f64::from(MIN_COVERAGE));
     charts
 }
 
@@ -233,7 +233,8 @@ fn overlapping_pairs(pieces: &[(u32, u32, Polygon)]) -> Vec<[usize; 2]> {
     pairs
 }
 
-/// Texels that two charts touch, or that are fewer than `gutter` texels away from another chart's in their row or column.
+/// Texels that two charts touch, or that are fewer than `gutter` texels away from another chart's in their row or
+/// column.
 fn count_crowded(owners: &[u32], crowded: &[bool], width: usize, gutter: usize) -> u64 {
     let height = owners.len() / width.max(1);
     let mut close = crowded.to_vec();

@@ -18,7 +18,7 @@ const SMOOTH: f32 = 0.8;
 pub(crate) struct Side {
     /// Index of the mesh.
     pub(crate) mesh: u32,
-    /// Number of the triangle in the mesh.
+    /// Index of the triangle in the mesh.
     pub(crate) face: u32,
     /// 0, 1 or 2.
     pub(crate) side: u8,

@@ -32,7 +32,8 @@ pub enum LayoutStep {
 /// Hears how far a layout is; called from any thread, but never from two at once.
 pub type LayoutWatch<'a> = &'a (dyn Fn(LayoutStep) + Sync);
 
-/// The connected pieces of a mesh's faces, whose sides count as connected unless `cuts` has them: it has no fewer charts.
+/// The connected pieces of a mesh's faces, whose sides count as connected unless `cuts` has them: it has no fewer
+/// charts.
 pub(super) fn pieces(
     scene: &Scene,
     mesh: usize,

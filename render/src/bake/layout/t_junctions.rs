@@ -1,7 +1,8 @@
-//! T-junctions: corners that lie in the middle of another triangle's side, as where pieces of a level of different sizes meet.
+//! T-junctions: corners that lie in the middle of another triangle's side, as where pieces of a level of different
+//! sizes meet.
 //!
-//! A corner lies on a side if it is as close as the rounding of the side's ends allows. Pieces of a side between such corners
-//! end at the corners themselves, so that pieces that lie on one another have ends that are equal bit for bit.
+//! A corner lies on a side if it is as close as the rounding of the side's ends allows. Pieces of a side between such
+//! corners end at the corners themselves, so that pieces that lie on one another have ends that are equal bit for bit.
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -11,8 +12,8 @@ use crate::scene::key;
 /// How far from a side a corner may be, over the greatest coordinate of the side's ends: some units in the last place.
 const SLACK: f64 = 8.0 * f32::EPSILON as f64;
 
-/// For each of `sides` the ends of others that lie between its own ends, from its start on: how far from the start, as a part
-/// of its length, and the point.
+/// For each of `sides` the ends of others that lie between its own ends, from its start on: how far from the start, as
+/// a part of its length, and the point.
 pub(super) fn corners_on(sides: &[[Vec3; 2]]) -> Vec<Vec<(f64, Vec3)>> {
     let mut corners: Vec<Vec3> = sides.iter().flatten().copied().collect();
     corners.sort_unstable_by_key(|corner| key(*corner));
@@ -34,13 +35,13 @@ pub(super) fn corners_on(sides: &[[Vec3; 2]]) -> Vec<Vec<(f64, Vec3)>> {
         };
         let near = [1, 2].map(within).into_iter().fold(within(0), |a, b| if b.len() < a.len() { b } else { a });
         let origin = start.as_dvec3();
-        let way = end.as_dvec3() - origin;
-        let length = way.length();
+        let extent = end.as_dvec3() - origin;
+        let length = extent.length();
         let place = |corner: &Vec3| {
             let offset = corner.as_dvec3() - origin;
-            let distance = offset.dot(way) / length;
+            let distance = offset.dot(extent) / length;
             let is_inside = distance > slack && length - distance > slack;
-            let is_on = (offset - way * (distance / length)).length() <= slack;
+            let is_on = (offset - extent * (distance / length)).length() <= slack;
             (is_inside && is_on).then_some((distance / length, *corner))
         };
         let mut found: Vec<(f64, Vec3)> = near.iter().filter_map(place).collect();
@@ -58,8 +59,8 @@ mod tests {
     #[test]
     fn corners_are_found_on_sides_and_not_beside_them() {
         // Diagonally through space, far from the origin.
-        let (start, way) = (vec3(100.0, -300.0, 50.0), vec3(3.0, 5.0, -7.0));
-        let at = |part: f32| start + way * part;
+        let (start, extent) = (vec3(100.0, -300.0, 50.0), vec3(3.0, 5.0, -7.0));
+        let at = |part: f32| start + extent * part;
         let aside = at(0.5) + vec3(0.01, 0.0, 0.0);
         let sides = [[at(0.0), at(1.0)], [at(0.25), vec3(1.0, 2.0, 3.0)], [aside, at(0.75)], [at(1.0), at(2.0)]];
         let found = corners_on(&sides);

@@ -35,7 +35,7 @@ pub(crate) struct Texel {
 /// A point of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
-    /// The number of the triangle among all of the scene.
+    /// The index of the triangle among all of the scene.
     pub(crate) prim_id: u32,
     /// The weights of its second and third corner.
     pub(crate) barycentric: [f32; 2],
@@ -46,9 +46,9 @@ const MARGIN: f64 = 0.01;
 /// A texel that its chart covers up to this part is not at the border.
 const COVERED: f64 = 0.999;
 
-/// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie behind
-/// the next wall by rounding.
-pub(super) const LEAST_COVERAGE: f32 = 0.02;
+/// A texel of which its chart covers less than this is left to the gutter: a point so close to the border could lie
+/// behind the next wall by rounding.
+pub(super) const MIN_COVERAGE: f32 = 0.02;
 
 /// A piece of a triangle in a texel.
 struct Piece {
@@ -65,7 +65,7 @@ pub(crate) struct Surfaces<'a> {
     atlas: &'a Atlas,
     /// See [`first_prims`].
     first_prims: Vec<u32>,
-    /// For each triangle of the scene its part, and its number there; none for those that are in no part.
+    /// For each triangle of the scene its part, and its index there; none for those that are in no part.
     faces: Vec<Option<(u32, u32)>>,
 }
 
@@ -78,7 +78,7 @@ pub(crate) struct Place {
     pub(crate) chart: u32,
 }
 
-/// For each mesh the number of its first triangle among all of the scene, and behind them the number of all.
+/// For each mesh the index of its first triangle among all of the scene, and behind them the number of all.
 pub(crate) fn first_prims(scene: &Scene) -> Vec<u32> {
     let counts = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u32);
     let ends = counts.scan(0, |sum, count| {
@@ -133,7 +133,7 @@ impl<'a> Surfaces<'a> {
         // A chart that covers no texel well keeps what it has.
         let mut most = vec![0.0f32; self.atlas.charts.len()];
         texels.iter().for_each(|texel| most[texel.chart as usize] = most[texel.chart as usize].max(texel.coverage));
-        texels.retain(|texel| texel.coverage >= LEAST_COVERAGE.min(0.5 * most[texel.chart as usize]));
+        texels.retain(|texel| texel.coverage >= MIN_COVERAGE.min(0.5 * most[texel.chart as usize]));
         texels
     }
 

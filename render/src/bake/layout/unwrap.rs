@@ -1,8 +1,8 @@
 //! New texture coordinates, by the crate `uvunwrap`: charts grown by normals, flattened by least squares conformal maps
 //! (Lévy et al. 2002) and packed by their shapes. The result does not depend on threads or the machine.
 //!
-//! Creases are borders of charts, for light changes abruptly there and a map's filter must not mix both sides. A mesh stays on
-//! one page if it fits, as engines give a mesh one map.
+//! Creases are borders of charts, for light changes abruptly there and a map's filter must not mix both sides. A mesh
+//! stays on one page if it fits, as engines give a mesh one map.
 
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ pub(crate) struct Request {
 }
 
 /// With more triangles than these, packing by shape takes too long.
-const MANY_TRIANGLES: usize = 50_000;
+const MAX_TRIANGLES_BY_SHAPE: usize = 50_000;
 
 /// Triangles with a height of less than this part of their mesh's diagonal have no chart.
 const THINNEST: f64 = 1e-6;
@@ -79,7 +79,7 @@ pub(crate) fn unwrap(
             Some(texels_per_unit) => Density::Fixed { texels_per_unit, page_size: Some(options.size) },
         },
         padding: options.padding(),
-        packing: if triangles > MANY_TRIANGLES { Packing::Fast } else { Packing::Shape },
+        packing: if triangles > MAX_TRIANGLES_BY_SHAPE { Packing::Fast } else { Packing::Shape },
         ..Options::default()
     };
     // First each mesh in one piece; where one is too large for that, chart by chart.

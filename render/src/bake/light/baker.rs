@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::ao::AmbientOcclusion;
-use super::footprint::direct_points;
+use super::direct_points::direct_points;
 use super::moments::{DirectionalBasis, Moments};
 use super::values::Values;
 use crate::bake::files::checkpoint::{Checkpoint, CheckpointedRecords, Stage};
@@ -245,7 +245,8 @@ impl Baker<'_> {
         Some(Found { values: Values::joined(layers, chunks.into_iter().map(|found| found.values)), rays, variance })
     }
 
-    /// What texels find without a cache, with this much noise of direct light in W/m² or with the samples of the options.
+    /// What texels find without a cache, with this much noise of direct light in W/m² or with the samples of the
+    /// options.
     fn without_cache(&self, texels: &[(usize, Texel)], noise: Option<f64>) -> Found {
         let mut found = match self.options.mode {
             Mode::Ao => self.ambient_occlusion(texels),

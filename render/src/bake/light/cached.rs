@@ -29,7 +29,8 @@ impl Baker<'_> {
         self.needs_cache() && self.options.cache.bounces.is_none()
     }
 
-    /// All light of texels by a rough cache, the number of its records, and its rays; `direct` has the rest of the light.
+    /// All light of texels by a rough cache, the number of its records, and its rays; `direct` has the rest of the
+    /// light.
     pub(super) fn first_map<'t>(
         &'t self,
         texels: &'t [Texel],

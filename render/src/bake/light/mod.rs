@@ -3,7 +3,7 @@
 mod ao;
 pub(super) mod baker;
 mod cached;
-mod footprint;
+mod direct_points;
 pub(super) mod moments;
 mod texel_irradiance;
 mod values;

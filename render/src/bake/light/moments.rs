@@ -6,8 +6,8 @@
 //! - `sh1`: `∫ L Y dω` for the real spherical harmonics `Y_00 = 1/(2√π)` and `Y_1m = √(3/(4π)) (y, z, x)` in world
 //!   space.
 //!
-//! Both are over the hemisphere above the surface. Cosine-weighted rays would have to be divided by the cosine, so rays are
-//! spread evenly here.
+//! Both are over the hemisphere above the surface. Cosine-weighted rays would have to be divided by the cosine, so rays
+//! are spread evenly here.
 
 use std::f32::consts::PI;
 
@@ -157,8 +157,8 @@ impl Moments {
 mod tests {
     use super::*;
 
-    /// Moments of even light from the hemisphere: those of hl2 have the irradiance on a tilted surface that sees a part of
-    /// the hemisphere, `π (1 + cos θ)/2`; the first harmonic is half of that of a sphere.
+    /// Moments of even light from the hemisphere: those of hl2 have the irradiance on a tilted surface that sees a part
+    /// of the hemisphere, `π (1 + cos θ)/2`; the first harmonic is half of that of a sphere.
     #[test]
     fn even_light_has_the_moments_of_a_hemisphere() {
         let normal = Vec3::new(0.6, 0.0, 0.8);

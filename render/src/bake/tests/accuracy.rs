@@ -8,7 +8,7 @@ use crate::integrator::{self, DirectGatherer};
 use crate::settings::CachedOptions;
 
 /// Rays of each of the two gathers at a texel that others are held against.
-const MANY: u32 = 1 << 15;
+const REFERENCE_RAYS: u32 = 1 << 15;
 
 /// Castaño's gathers: one for six texels or fewer tells as much as one for each, one for thirty nearly as much.
 ///
@@ -25,7 +25,7 @@ fn a_cache_tells_what_gathers_do() {
         vec![glowing(0.0, 0.6), glowing(10.0, 0.0)],
     );
     let world = World::new(room.clone()).unwrap();
-    let many = CachedOptions { rays: MANY, ..CachedOptions::default() };
+    let many = CachedOptions { rays: REFERENCE_RAYS, ..CachedOptions::default() };
     let mut options = BakeOptions { mode: Mode::Indirect, size: 512, ..BakeOptions::default() };
     let atlas = Atlas::new(&room, &options).unwrap();
     let surfaces = Surfaces::new(&room, &atlas);

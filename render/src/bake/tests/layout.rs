@@ -1,7 +1,7 @@
 //! Messages about layouts, and input that is refused before them.
 
 use std::sync::Mutex;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::*;
 use crate::settings::Invalid;

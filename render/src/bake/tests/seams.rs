@@ -63,8 +63,8 @@ fn a_curved_corridor_has_no_steps() {
     }
 }
 
-/// A floor of a large piece and three small ones beside it, whose corners lie in the middle of its side, turned so that no
-/// coordinate is exact; a lamp stands over the small ones.
+/// A floor of a large piece and three small ones beside it, whose corners lie in the middle of its side, turned so that
+/// no coordinate is exact; a lamp stands over the small ones.
 #[test]
 fn pieces_of_different_sizes_have_no_steps() {
     let turn = Quat::from_euler(glam::EulerRot::XYZ, 0.3, 0.7, 1.1);
@@ -89,7 +89,8 @@ fn pieces_of_different_sizes_have_no_steps() {
     }
 }
 
-/// How many equations there are at the crease of a floor, `length` deep, and a wall, `height` high, for what texels in turn have.
+/// How many equations there are at the crease of a floor, `length` deep, and a wall, `height` high, for what texels in
+/// turn have.
 fn equations([width, length, height]: [f32; 3], floor: [f32; 2], wall: [f32; 2]) -> usize {
     let mut corner = Mesh { name: "corner".to_owned(), ..Mesh::default() };
     corner.positions =

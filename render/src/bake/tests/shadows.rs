@@ -51,8 +51,8 @@ fn the_edge_of_a_shadow_is_as_soft_as_a_texel_is_wide() {
     assert!((sum / area).abs() < 2e-3, "{}", sum / area);
 }
 
-/// A picture of a grey sky with a sun of one texel among 8192, which brings three quarters of the light. What an open floor
-/// receives is a sum over texels.
+/// A picture of a grey sky with a sun of one texel among 8192, which brings three quarters of the light. What an open
+/// floor receives is a sum over texels.
 #[test]
 fn the_sun_of_a_picture_is_sampled_and_the_rest_gathered() {
     const WIDTH: u32 = 128;

@@ -25,23 +25,23 @@ const BACKS: f32 = 0.5;
 /// Viewpoints lie so far apart, as a part of the harmonic mean of distances, ...
 const SPACING: f32 = 0.35;
 /// ... which counts as no less than this part of the greatest: there is no end to the viewpoints in a corner.
-const LEAST_DISTANCE: f32 = 0.3;
+const MIN_DISTANCE: f32 = 0.3;
 /// How much narrower than the widest the first ones may be: a gap below a floor is no room.
 const NARROW: f32 = 1.0 / 12.0;
 /// Positions that are tried from each.
 const STEPS: u32 = 16;
 /// The most viewpoints.
-const MOST_VIEWPOINTS: usize = 4096;
+const MAX_VIEWPOINTS: usize = 4096;
 /// Panes of glass that are looked through, one behind the other.
-const MOST_PANES: usize = 16;
+const MAX_PANES: usize = 16;
 
 /// The surroundings of a position.
 pub(super) struct Viewpoint {
     pub(super) position: Vec3,
     /// The harmonic mean of distances.
     distance: f32,
-    /// The rays, as far as the first thing that they meet, glass included.
-    ways: Vec<(Vec3, f32)>,
+    /// Directions of rays, and the distances of what they meet first, glass included.
+    rays: Vec<(Vec3, f32)>,
     /// Whether too many rays reach nothing.
     is_open: bool,
     /// Whether too many end on backs of bodies.
@@ -50,7 +50,7 @@ pub(super) struct Viewpoint {
 
 /// A hit of one of many rays.
 pub(super) struct Seen<'a> {
-    /// The ray's number.
+    /// The ray's index.
     ray: usize,
     /// The panes of glass before it.
     panes: usize,
@@ -102,14 +102,14 @@ impl<'a> Search<'a> {
     fn reach(&self, new: impl IntoIterator<Item = Viewpoint>) -> Vec<Viewpoint> {
         let (mut viewpoints, mut widest) = (Vec::<Viewpoint>::new(), 0.0f32);
         let mut new: Vec<Viewpoint> = new.into_iter().collect();
-        while !new.is_empty() && viewpoints.len() < MOST_VIEWPOINTS {
+        while !new.is_empty() && viewpoints.len() < MAX_VIEWPOINTS {
             let first = viewpoints.len();
             widest = new.iter().map(|it| it.distance).fold(widest, f32::max);
-            let spacing = |distance: f32| SPACING * distance.max(LEAST_DISTANCE * widest);
+            let spacing = |distance: f32| SPACING * distance.max(MIN_DISTANCE * widest);
             for it in new {
                 let is_apart =
                     |other: &Viewpoint| other.position.distance(it.position) > spacing(it.distance.min(other.distance));
-                if viewpoints.len() < MOST_VIEWPOINTS && viewpoints.iter().all(is_apart) {
+                if viewpoints.len() < MAX_VIEWPOINTS && viewpoints.iter().all(is_apart) {
                     viewpoints.push(it);
                 }
             }
@@ -132,7 +132,7 @@ impl<'a> Search<'a> {
         looked.into_iter().flatten().collect()
     }
 
-    /// Positions beside surfaces, half of the way to the next.
+    /// Positions beside surfaces, halfway to the next.
     fn starts(&self, side: Side) -> Vec<Vec3> {
         let rays = self.world.rays_from_surfaces(side);
         let mut hits = vec![Hit::MISS; rays.len()];
@@ -143,11 +143,11 @@ impl<'a> Search<'a> {
 
     /// The next positions, along the rays of new viewpoints.
     fn next(viewpoints: &[Viewpoint], new: Range<usize>) -> Vec<Vec3> {
-        let step = |number: usize| {
-            let it = &viewpoints[number];
-            let ways = it.ways.iter().step_by((it.ways.len() / STEPS as usize).max(1));
-            ways.enumerate().map(move |(i, &(direction, t))| {
-                let u = Sampler::new(Pattern::Sobol, 0, number as u32, i as u32).uniform2(1).x;
+        let step = |index: usize| {
+            let it = &viewpoints[index];
+            let found = it.rays.iter().step_by((it.rays.len() / STEPS as usize).max(1));
+            found.enumerate().map(move |(i, &(direction, t))| {
+                let u = Sampler::new(Pattern::Sobol, 0, index as u32, i as u32).uniform2(1).x;
                 it.position + direction * (t * (0.2 + 0.6 * u))
             })
         };
@@ -158,19 +158,19 @@ impl<'a> Search<'a> {
     fn look(&self, position: Vec3, number: u32) -> Option<Viewpoint> {
         let rays = around(position, number, 0..RAYS);
         let directions: Vec<Vec3> = rays.iter().map(|ray| ray.direction).collect();
-        let mut ways = Vec::with_capacity(rays.len());
+        let mut found = Vec::with_capacity(rays.len());
         let (mut backs, mut inverse) = (0, 0.0);
         let escaped = self.trace(rays, |&Seen { ray, panes, hit, is_back }| {
             if panes == 0 {
-                ways.push((directions[ray], hit.t));
+                found.push((directions[ray], hit.t));
                 inverse += 1.0 / hit.t.max(f32::MIN_POSITIVE);
                 backs += usize::from(is_back);
             }
         });
         let is_open = escaped as f32 > OPEN * RAYS as f32;
         let is_covered = backs as f32 > BACKS * RAYS as f32;
-        let distance = ways.len() as f32 / inverse;
-        distance.is_finite().then_some(Viewpoint { position, distance, ways, is_open, is_covered })
+        let distance = found.len() as f32 / inverse;
+        distance.is_finite().then_some(Viewpoint { position, distance, rays: found, is_open, is_covered })
     }
 
     /// Traces rays through glass, and reports each hit. Returns the number of rays that miss.
@@ -178,7 +178,7 @@ impl<'a> Search<'a> {
         let mut numbers: Vec<usize> = (0..rays.len()).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         let mut escaped = 0;
-        for panes in 0..MOST_PANES {
+        for panes in 0..MAX_PANES {
             hits.truncate(rays.len());
             self.world.intersect_many(&rays, &mut hits);
             let mut kept = 0;

@@ -23,11 +23,11 @@ const MORE_RAYS: u32 = 2048;
 /// Points on a piece that none of these rays has hit, ...
 const POINTS: u32 = 32;
 /// ... and the nearest viewpoints from which each is looked at.
-const NEAREST: usize = 32;
+const MAX_VIEWPOINTS: usize = 32;
 
 impl LeftOut {
-    /// What cannot be seen from inside of the world that is made of `scene`. Inside is what can be reached from `positions`, or, if
-    /// there are none, from anywhere in front of a surface.
+    /// What cannot be seen from inside of the world that is made of `scene`. Inside is what can be reached from
+    /// `positions`, or, if there are none, from anywhere in front of a surface.
     ///
     /// # Errors
     /// If no position is inside.
@@ -119,7 +119,7 @@ fn points_on(world: &World, piece: &[u32]) -> impl Iterator<Item = Vec3> {
 fn rays_to(point: Vec3, viewpoints: &[Viewpoint]) -> Vec<Ray> {
     let distance = |(number, it): (usize, &Viewpoint)| (it.position.distance_squared(point), number);
     let mut near: Vec<(f32, usize)> = viewpoints.iter().enumerate().map(distance).collect();
-    let count = near.len().min(NEAREST);
+    let count = near.len().min(MAX_VIEWPOINTS);
     near.select_nth_unstable_by(count - 1, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let ray = |&(_, number): &(f32, usize)| {
         let from = viewpoints[number].position;

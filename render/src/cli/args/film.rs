@@ -21,8 +21,8 @@ pub(in crate::cli) struct FilmArguments {
     #[arg(long, value_name = "ERROR", value_parser = part)]
     pub(in crate::cli) noise: Option<f64>,
 
-    /// Stop after this time, for example 90s, 30m or 8h, with the picture so far and exit code 4; the picture then depends
-    /// on the machine's speed
+    /// Stop after this time, for example 90s, 30m or 8h, with the picture so far and exit code 4; the picture then
+    /// depends on the machine's speed
     #[arg(long, value_name = "TIME", value_parser = duration)]
     pub(in crate::cli) time: Option<Duration>,
 

@@ -132,7 +132,8 @@ pub(crate) struct CommonArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct InfoArguments {
-    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), `cornell` for the built-in scene, or a tree (.bvh)
+    /// A scene file (.toml), a model (.glb, .gltf, .obj, .pbrt, .ply), `cornell` for the built-in scene, or a tree
+    /// (.bvh)
     pub(crate) scene: PathBuf,
 
     /// Print JSON instead of a table
@@ -225,7 +226,7 @@ fn square(text: &str) -> Result<u32, String> {
     side.ok_or_else(|| format!("expected a power of two from 2 to {MAX_PREVIEW_SIDE}"))
 }
 
-/// A way to denoise.
+/// A denoiser.
 pub(crate) fn denoiser() -> impl TypedValueParser<Value = Denoiser> {
     names(Denoiser::ALL, Denoiser::name)
 }

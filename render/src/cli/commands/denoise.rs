@@ -21,8 +21,8 @@ pub(crate) struct DenoiseArguments {
     /// The noisy picture (.exr), best with the channels that `halfdome render --aov --aov-through` writes
     input: PathBuf,
 
-    /// Picture to write: .exr (all channels, the noisy colours as Noisy.R, Noisy.G, Noisy.B) or .png (tone mapped); can be
-    /// given several times
+    /// Picture to write: .exr (all channels, the noisy colours as Noisy.R, Noisy.G, Noisy.B) or .png (tone mapped); can
+    /// be given several times
     #[arg(short, long = "output", value_name = "FILE", required = true)]
     outputs: Vec<PathBuf>,
 

@@ -179,7 +179,7 @@ impl Tree {
             degenerate_triangles: report.degenerate,
             not_finite_triangles: report.not_finite,
             out_of_range_triangles: report.out_of_range,
-            bytes: tree.bytes,
+            bytes: tree.memory_bytes,
             sah_cost: tree.cost,
             depth: tree.depth,
             nodes: tree.nodes,

@@ -94,11 +94,11 @@ pub(crate) fn run(arguments: &IrradianceArguments) -> Result<u8, CliError> {
     let spp = arguments.spp.unwrap_or(if arguments.brute { 1024 } else { 64 });
     let shard = arguments.shard.unwrap_or(Shard::ALL);
     let request = Request { spp, seed: settings.seed, part };
-    let way = match arguments.brute {
+    let method = match arguments.brute {
         true => "paths".to_owned(),
         false => format!("{options:?} {:016x}", cache.hash()),
     };
-    let key = irradiance::key(world.hash(), &sensors, &request, &way);
+    let key = irradiance::key(world.hash(), &sensors, &request, &method);
     interrupt::catch()?;
     let job = Job::start(
         style,

@@ -11,8 +11,8 @@ use crate::output::OutputFile;
 
 #[derive(Args, Debug)]
 pub(crate) struct ManArguments {
-    /// A folder, which must exist, for a page of each command (halfdome-render.1 and so on); without it the program's own
-    /// page is printed
+    /// A folder, which must exist, for a page of each command (halfdome-render.1 and so on); without it the program's
+    /// own page is printed
     folder: Option<PathBuf>,
 }
 

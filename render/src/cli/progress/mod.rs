@@ -67,8 +67,8 @@ impl Progress {
         Self::counting_from(style, LAYOUT_STEPS, Counted::Layout, begin, Coverage::default())
     }
 
-    /// Shows the progress towards `total` texels, of a bake that was begun at `begin`. They are served by so many `caches`
-    /// after their direct light, of which the last may be filled `again`.
+    /// Shows the progress towards `total` texels, of a bake that was begun at `begin`. They are served by so many
+    /// `caches` after their direct light, of which the last may be filled `again`.
     pub(crate) fn of_texels(style: Style, total: u64, begin: Instant, caches: u32, again: bool) -> Self {
         let counted = if caches > 0 { Counted::Texels } else { Counted::PlainTexels };
         let coverage = Coverage::new(caches, total / u64::from(caches + 1), again);

@@ -55,8 +55,8 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Samples, which are never fewer than before, and how many were taken since there were none; `now` is the time since the
-    /// beginning.
+    /// Samples, which are never fewer than before, and how many were taken since there were none; `now` is the time
+    /// since the beginning.
     pub(crate) fn at(&mut self, samples: u64, now: Duration) -> (u64, Option<(u64, Duration)>) {
         self.most = self.most.max(samples);
         if self.most == 0 {

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
+use super::JSON_INTERVAL;
 use crate::cli::messages::{Style, print_line};
 use crate::scene::LoadWatch;
 
@@ -16,7 +17,6 @@ const LARGE: usize = 1_000_000;
 const LARGE_FILE: usize = 100_000_000;
 /// Steps of the bar.
 const STEPS: u64 = 1000;
-const JSON_INTERVAL: Duration = Duration::from_millis(500);
 
 /// Shows how far something is; on being dropped, nothing any more.
 pub(crate) struct StageProgress {

@@ -6,8 +6,8 @@
 //! for two strengths. [`select`](mod@select) then estimates each result's error, and the noisy picture's own, and
 //! blends by them, and [`restore`](mod@restore) restores the mean over larger areas.
 //!
-//! Sources: Rousselle, Manzi and Zwicker, "Robust Denoising using Feature and Color Information", 2013; Bitterli et al.,
-//! "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", 2016.
+//! Sources: Rousselle, Manzi and Zwicker, "Robust Denoising using Feature and Color Information", 2013; Bitterli et
+//! al., "Nonlinearly Weighted First-order Regression for Denoising Monte Carlo Renderings", 2016.
 //!
 //! Deviations: features are not prefiltered, as most have no noise; the noisy picture is a third candidate; the result
 //! is not filtered again.
@@ -152,8 +152,8 @@ impl Input {
     }
 }
 
-/// The variance of a half's pixels. `sampled` is that of the whole picture's as if samples were independent; the squared
-/// differences of the halves say how large it is around, and alone what there is without it.
+/// The variance of a half's pixels. `sampled` is that of the whole picture's as if samples were independent; the
+/// squared differences of the halves say how large it is around, and alone what there is without it.
 fn variance(extent: Extent, a: &[f32], b: &[f32], sampled: Option<&[f32]>) -> Vec<f32> {
     let squares: Vec<f32> = a.iter().zip(b).map(|(a, b)| 0.5 * (a - b) * (a - b)).collect();
     let Some(sampled) = sampled else { return blurred(extent, &squares, PATCH) };

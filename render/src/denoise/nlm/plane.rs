@@ -40,7 +40,7 @@ impl Extent {
 }
 
 impl Plane {
-    /// The plane of a function of pixels' numbers.
+    /// The plane of a function of pixels' indices.
     pub(super) fn new(extent: Extent, value: impl Fn(usize) -> f32) -> Self {
         let inner = |i: usize, side: usize| i.saturating_sub(BORDER).min(side - 1);
         let rows = (0..extent.height + 2 * BORDER).map(|y| inner(y, extent.height));

@@ -7,8 +7,8 @@
 //! A neighbour whose variance is far above the median around `p` has less weight in the fit, by the ratio of both: the
 //! edge of a lamp, or a single bright sample, carries little information about its surroundings.
 //!
-//! Source: Bitterli, Rousselle, Moon, Iglesias-Guitián, Adler, Mitchell, Jarosz and Novák, "Nonlinearly Weighted First-order
-//! Regression for Denoising Monte Carlo Renderings", 2016.
+//! Source: Bitterli, Rousselle, Moon, Iglesias-Guitián, Adler, Mitchell, Jarosz and Novák, "Nonlinearly Weighted
+//! First-order Regression for Denoising Monte Carlo Renderings", 2016.
 //!
 //! Deviation: the weights by variance.
 

@@ -3,14 +3,14 @@
 //! Weights that keep single bright samples from their neighbours also keep their light. Where light comes in few bright
 //! samples, most of it would be lost: a third at frosted glass with 16 samples a pixel.
 //!
-//! The residual `q = (noisy - denoised) / s` has a mean of 0 if nothing is lost. Its mean `m` over square cells, from the
-//! whole picture down to cells of 16 pixels, each level of what the levels before have left, is taken as lost light as far as
-//! it is larger than its standard error: `m max(0, 1 - e²/m²)`. It is interpolated between the centres of cells, and pixels
-//! get the sum over levels times their `s`: their brightness, with less for what is brighter than a few times the mean, as
-//! lamps lose nothing of their own.
+//! The residual `q = (noisy - denoised) / s` has a mean of 0 if nothing is lost. Its mean `m` over square cells, from
+//! the whole picture down to cells of 16 pixels, each level of what the levels before have left, is taken as lost light
+//! as far as it is larger than its standard error: `m max(0, 1 - e²/m²)`. It is interpolated between the centres of
+//! cells, and pixels get the sum over levels times their `s`: their brightness, with less for what is brighter than a
+//! few times the mean, as lamps lose nothing of their own.
 //!
-//! A cell that has few bright samples by chance would also have a small standard error; so the variance of a pixel is taken
-//! as at least that in the cell of the level before.
+//! A cell that has few bright samples by chance would also have a small standard error; so the variance of a pixel is
+//! taken as at least that in the cell of the level before.
 //!
 //! Source: shrinkage by James and Stein, "Estimation with Quadratic Loss", 1961, at each level of a pyramid.
 
@@ -18,13 +18,13 @@ use super::plane::Extent;
 use crate::denoise::channels::Rgb;
 
 /// The side of the smallest cells in pixels: with 256 of them, one bright sample is no trend.
-const LEAST_CELL: usize = 16;
+const MIN_CELL: usize = 16;
 /// Pixels darker than this part of the mean count as dark.
 const FLOOR: f32 = 0.02;
 /// A pixel this many times as bright as the mean gets half of the light that its brightness would give it.
 const BRIGHT: f32 = 3.0;
 /// A pixel keeps this part of its light at least.
-const LEAST: f32 = 0.5;
+const MIN_KEPT: f32 = 0.5;
 
 /// Scales the pixels of `denoised` so that its means over larger areas are those of `noisy`.
 pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
@@ -47,13 +47,13 @@ pub(super) fn restore(extent: Extent, denoised: &mut Rgb, noisy: &Rgb) {
             row.iter_mut().enumerate().for_each(|(x, lost)| *lost += cells.at(x, y));
         }
         level = Some(cells);
-        if side <= LEAST_CELL {
+        if side <= MIN_CELL {
             break;
         }
         side /= 2;
     }
     // Black pixels stay black.
-    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(LEAST);
+    let factor = |i: usize| (1.0 + lost[i] * scale(i) / brightness[i].max(FLOOR * FLOOR * mean)).max(MIN_KEPT);
     for values in denoised {
         values.iter_mut().enumerate().for_each(|(i, value)| *value *= factor(i));
     }

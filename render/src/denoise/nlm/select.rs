@@ -49,8 +49,8 @@ pub(super) fn blend(extent: Extent, [a, b]: &[Rgb; 2], noisy: &Rgb, results: &[[
     blend
 }
 
-/// The brightness of each pixel in a result, or what both halves have at least, if the result has lost it; with a floor by
-/// the whole picture's, below which all is dark.
+/// The brightness of each pixel in a result, or what both halves have at least, if the result has lost it; with a floor
+/// by the whole picture's, below which all is dark.
 fn brightness(extent: Extent, noisy: &Rgb, [a, b]: [&Rgb; 2], [fa, fb]: &[&Rgb; 2]) -> Vec<f32> {
     let sum = noisy.iter().flatten().map(|&value| f64::from(value.abs())).sum::<f64>();
     let floor = (0.02 * (sum / (3 * extent.len()) as f64) as f32).max(f32::MIN_POSITIVE.sqrt());

@@ -1,13 +1,13 @@
 //! Weights between pixels by how alike the patches around them are in a noisy picture.
 //!
-//! `d² = Σ ((u_p - u_q)² - 2 min(v_p, v_q)) / (ε + k² (v_p + v_q))` is the mean over colours and the patch, with the picture
-//! `u` and its variance `v`: about 0 if only noise tells the patches apart. The weight is `exp(-max(d², 0))`.
+//! `d² = Σ ((u_p - u_q)² - 2 min(v_p, v_q)) / (ε + k² (v_p + v_q))` is the mean over colours and the patch, with the
+//! picture `u` and its variance `v`: about 0 if only noise tells the patches apart. The weight is `exp(-max(d², 0))`.
 //!
 //! Source: Rousselle, Knaus and Zwicker, "Adaptive Rendering with Non-Local Means Filtering", 2012.
 //!
-//! Deviations: they subtract `v_p + min(v_p, v_q)`; here distances are symmetric, so that a pixel's weights are also those
-//! that others give it. The exponential is `(1 - d²/8)⁸`, without a tail and of plain multiplications, which are equal on all
-//! machines.
+//! Deviations: they subtract `v_p + min(v_p, v_q)`; here distances are symmetric, so that a pixel's weights are also
+//! those that others give it. The exponential is `(1 - d²/8)⁸`, without a tail and of plain multiplications, which are
+//! equal on all machines.
 
 use super::plane::{Extent, PATCH, Plane, WINDOW};
 

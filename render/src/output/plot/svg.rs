@@ -45,7 +45,7 @@ pub(crate) fn svg(figure: &Figure) -> String {
     out
 }
 
-/// The number of each series' colour.
+/// The index of each series' colour.
 fn colours(series: &[Series]) -> Vec<usize> {
     let mut colour = 0;
     let mut colours = vec![0];

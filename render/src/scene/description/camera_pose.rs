@@ -15,14 +15,18 @@ pub struct CameraPose {
     pub vfov: f32,
 }
 
-/// The part of the eye's distance from the origin that a target is ahead, at least: a rounding is 2⁻²⁴ of that distance.
-const LEAST_AHEAD: f64 = 1.0 / 16.0;
+/// The part of the eye's distance from the origin that a target is ahead, at least: a rounding is 2⁻²⁴ of that
+/// distance.
+const MIN_AHEAD: f64 = 1.0 / 16.0;
 
 impl CameraPose {
-    /// A camera that looks along a unit vector, at a target one unit ahead; far from the origin so far ahead that rounding of the
-    /// two points does not turn the view by more than a millionth.
+    /// The vertical field of view of a camera without one, in degrees.
+    pub(crate) const DEFAULT_VFOV: f32 = 40.0;
+
+    /// A camera that looks along a unit vector, at a target one unit ahead; far from the origin so far ahead that
+    /// rounding of the two points does not turn the view by more than a millionth.
     pub(in crate::scene) fn along(eye: DVec3, forward: DVec3, up: DVec3, vfov: f32) -> Self {
-        let ahead = (LEAST_AHEAD * eye.abs().max_element()).max(1.0);
+        let ahead = (MIN_AHEAD * eye.abs().max_element()).max(1.0);
         Self { eye: eye.as_vec3(), target: (eye + ahead * forward).as_vec3(), up: up.as_vec3(), vfov }
     }
 }

@@ -86,12 +86,13 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// A valid index into [`Scene::materials`].
     pub material: usize,
-    /// A valid index into [`Scene::objects`] if it belongs to one, in whose coordinates it is and whose instances show it.
+    /// A valid index into [`Scene::objects`] if it belongs to one, in whose coordinates it is and whose instances show
+    /// it.
     pub object: Option<usize>,
     /// The position in a glTF file; `None` for other formats.
     pub origin: Option<Origin>,
-    /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or lines: it gets no
-    /// lightmap.
+    /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or
+    /// lines: it gets no lightmap.
     pub is_added: bool,
 }
 

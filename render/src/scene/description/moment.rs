@@ -12,7 +12,7 @@ pub struct Moment {
 /// The name of an animation and the times of its motion.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Animation {
-    /// The file's name for it, or its number.
+    /// The file's name for it, or its index.
     pub name: String,
     /// The time of its first key, in seconds.
     pub begin: f32,

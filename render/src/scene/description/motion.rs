@@ -20,11 +20,11 @@ pub struct Motion {
     pub keys: usize,
     /// The part of the time in which the shutter opens, and in which it closes: 0, all at once, to 0.5.
     pub ramp: f32,
-    /// The positions of each mesh that moves, by its number: as many at each key as it has.
+    /// The positions of each mesh that moves, by its index: as many at each key as it has.
     pub meshes: BTreeMap<usize, Vec<Vec<Vec3>>>,
-    /// The transforms of each instance that moves, by its number.
+    /// The transforms of each instance that moves, by its index.
     pub instances: BTreeMap<usize, Arc<[Affine3A]>>,
-    /// Each light that moves, by its number: of these alone place and direction count.
+    /// Each light that moves, by its index: of these alone place and direction count.
     pub lights: BTreeMap<usize, Vec<PunctualLight>>,
     /// The camera's poses, empty if it is static.
     pub cameras: Vec<CameraPose>,
@@ -58,8 +58,8 @@ impl Shutter {
 impl Motion {
     /// The time at which `u` in [0, 1) of the light has come through the shutter. It opens and closes at an even rate.
     ///
-    /// With `r` for the ramp the openness rises to 1 from 0 to `r`, and the light that has come through by the time `t` is
-    /// `t² / 2r` there, then `t - r/2`, all over `1 - r`.
+    /// With `r` for the ramp the openness rises to 1 from 0 to `r`, and the light that has come through by the time `t`
+    /// is `t² / 2r` there, then `t - r/2`, all over `1 - r`.
     pub(crate) fn time(&self, u: f32) -> f32 {
         let ramp = self.ramp;
         let rising = |light: f32| match light < 0.5 * ramp {

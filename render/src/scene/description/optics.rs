@@ -70,8 +70,8 @@ pub struct Lens {
     pub focus: f32,
     /// Corners of the aperture, a regular polygon, from 3 on; 0 is a disc.
     pub blades: u32,
-    /// The turn of the polygon. At 0 a corner points to the right; positive is counter-clockwise in the picture's sense,
-    /// from right to up.
+    /// The turn of the polygon. At 0 a corner points to the right; positive is counter-clockwise in the picture's
+    /// sense, from right to up.
     pub rotation: f32,
     /// The aperture's height over its width.
     pub ratio: f32,

@@ -145,7 +145,7 @@ impl Profile {
         moments
     }
 
-    /// The mean over horizontal angles at a vertical one, by its number.
+    /// The mean over horizontal angles at a vertical one, by its index.
     fn mean(&self, vertical: usize) -> f64 {
         let at = |row: usize| f64::from(self.candela[row * self.vertical.len() + vertical]);
         let pairs = self.horizontal.windows(2).enumerate();

@@ -7,8 +7,8 @@ use glam::Vec3;
 
 use crate::scene::{Profile, ProfileFrame};
 
-/// A light that has no triangles and stops no ray. The camera itself does not see it; mirrors, gloss and glass show one of a
-/// size. It shines through panes of glass. Intensities are per linear sRGB channel.
+/// A light that has no triangles and stops no ray. The camera itself does not see it; mirrors, gloss and glass show one
+/// of a size. It shines through panes of glass. Intensities are per linear sRGB channel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PunctualLight {
     /// Shines alike in every direction.
@@ -63,6 +63,9 @@ pub enum PunctualLight {
 }
 
 impl PunctualLight {
+    /// The largest radius, in metres: its square stays within 32 bits.
+    pub(crate) const MAX_RADIUS: f32 = 1e15;
+
     /// Its strength, and what gives its power if multiplied by it; of a directional light, which has none, the
     /// irradiance.
     pub(crate) fn power(&self) -> (Vec3, f64) {

@@ -104,8 +104,8 @@ impl SkyPicture {
         self.row_solid_angles(row).iter().sum()
     }
 
-    /// How much of it is in the rows above, of the texel and below: a tent has three quarters of its weight in its own row.
-    /// What is beyond a pole is folded back.
+    /// How much of it is in the rows above, of the texel and below: a tent has three quarters of its weight in its own
+    /// row. What is beyond a pole is folded back.
     pub(crate) fn row_solid_angles(&self, row: u32) -> [f64; 3] {
         let border = |row: u32| (PI * f64::from(row) / f64::from(self.height)).cos();
         let texel = |row: u32| 2.0 * PI / f64::from(self.width) * (border(row) - border(row + 1));

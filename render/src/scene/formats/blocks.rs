@@ -68,7 +68,8 @@ fn line_count(bytes: &[u8]) -> usize {
     ends + usize::from(bytes.last().is_some_and(|last| *last != b'\n'))
 }
 
-/// Reads parts in parallel, a few at a time, and takes what they give in their order. The first error in that order ends it.
+/// Reads parts in parallel, a few at a time, and takes what they give in their order. The first error in that order
+/// ends it.
 pub(super) fn read_in_order<P: Sync, R: Send, E: Send>(
     parts: &[P],
     read: impl Fn(&P) -> Result<R, E> + Sync,

@@ -12,7 +12,7 @@ const POWERS: [f64; 23] = [
 ];
 
 /// This many digits stay below 2⁶³.
-const MOST_DIGITS: usize = 18;
+const MAX_DIGITS: usize = 18;
 
 /// The number in `word`; `None` if it is not a number.
 pub(super) fn parse(word: &[u8]) -> Option<f32> {
@@ -22,8 +22,8 @@ pub(super) fn parse(word: &[u8]) -> Option<f32> {
     }
 }
 
-/// The number that `text` begins with, and its length, if it is one of the many that are quick to read. What follows may
-/// belong to it.
+/// The number that `text` begins with, and its length, if it is one of the many that are quick to read. What follows
+/// may belong to it.
 pub(super) fn prefix(text: &[u8]) -> Option<(f32, usize)> {
     let is_negative = text.first() == Some(&b'-');
     let begin = usize::from(matches!(text.first(), Some(b'-' | b'+')));
@@ -35,7 +35,7 @@ pub(super) fn prefix(text: &[u8]) -> Option<(f32, usize)> {
         length += end - at - 1;
         (digits, at) = (all, end);
     }
-    if length == 0 || length > MOST_DIGITS {
+    if length == 0 || length > MAX_DIGITS {
         return None;
     }
     if let Some(b'e' | b'E') = text.get(at) {

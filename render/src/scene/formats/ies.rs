@@ -20,7 +20,7 @@ const VERSIONS: [(&str, u32); 5] = [
 ];
 
 /// More candela values than any luminaire has: a file with more is not what it says.
-const MOST: usize = 1 << 22;
+const MAX_VALUES: usize = 1 << 22;
 
 /// The profile in `bytes`, which are the file at `path`.
 pub(crate) fn parse(path: &Path, bytes: &[u8]) -> Result<Profile, SceneError> {
@@ -84,11 +84,11 @@ impl<'a> Parser<'a> {
 
     fn count(&mut self, what: &str, least: usize) -> Result<usize, SceneError> {
         let number = self.number(what)?;
-        if number.fract() == 0.0 && number >= least as f64 && number <= MOST as f64 {
+        if number.fract() == 0.0 && number >= least as f64 && number <= MAX_VALUES as f64 {
             return Ok(number as usize);
         }
-        let remedy = match number > MOST as f64 {
-            true => format!("write a whole number from {least} to {MOST}"),
+        let remedy = match number > MAX_VALUES as f64 {
+            true => format!("write a whole number from {least} to {MAX_VALUES}"),
             false => format!("write a whole number, {least} or more"),
         };
         self.error(self.line, format!("{what} is {number}"), &remedy)
@@ -135,7 +135,7 @@ impl<'a> Parser<'a> {
         let mut factor = self.factor("the multiplier of candela")?;
         let vertical_count = self.count("the number of vertical angles", 2)?;
         let horizontal_count = self.count("the number of horizontal angles", 1)?;
-        if vertical_count.saturating_mul(horizontal_count) > MOST {
+        if vertical_count.saturating_mul(horizontal_count) > MAX_VALUES {
             let problem = format!("it has {vertical_count} times {horizontal_count} candela values");
             return self.error(self.line, problem, "name the file of a luminaire, which has fewer");
         }

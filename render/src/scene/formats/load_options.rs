@@ -16,8 +16,8 @@ pub struct LoadOptions<'a> {
     /// The radius of glTF's points and lines, in the coordinates of their mesh, as spheres and cylinders. Without it
     /// they are left out.
     pub point_radius: Option<f32>,
-    /// The camera to use: of glTF the name of its node or its own, or its number among those of the file, from 1; the first
-    /// without it.
+    /// The camera to use: of glTF the name of its node or its own, or its number among those of the file, from 1; the
+    /// first without it.
     pub camera: Option<&'a str>,
     /// Whether the model is an object of a scene file, whose lights and cameras are left out: nothing is said of them.
     pub is_object: bool,

@@ -196,7 +196,7 @@ impl<'a> File<'a> {
         Ok(triangles)
     }
 
-    /// Calls `take` with the number and the values of each element of a piece.
+    /// Calls `take` with the index and the values of each element of a piece.
     fn elements<V: Values<'a>>(
         &self,
         piece: &Piece<'a>,

@@ -4,9 +4,9 @@
 //! small in total are read as copies.
 
 /// Triangles of copies that a file may have together before they are shared.
-const MOST_COPIED: usize = 1_000_000;
+const MAX_COPIED_TRIANGLES: usize = 1_000_000;
 /// Copies of a mesh with fewer triangles in all stay copies.
-const FEW: usize = 1000;
+const MIN_SHARED_TRIANGLES: usize = 1000;
 
 /// The treatment of meshes shared by several nodes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -26,7 +26,7 @@ impl Sharing {
         let copied = |&(triangles, uses): &(usize, usize)| triangles.saturating_mul(uses.saturating_sub(1));
         let all = meshes.iter().map(copied).fold(0, usize::saturating_add);
         let is_shared = |mesh: &(usize, usize)| match self {
-            Self::Auto => all > MOST_COPIED && copied(mesh) >= FEW,
+            Self::Auto => all > MAX_COPIED_TRIANGLES && copied(mesh) >= MIN_SHARED_TRIANGLES,
             Self::Always => mesh.1 > 1,
             Self::Never => false,
         };

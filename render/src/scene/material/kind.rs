@@ -30,8 +30,8 @@ impl Material {
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
-    /// Whether it scatters nearly as a diffuse surface of its albedo would, given the roughness from which on its gloss may count as
-    /// diffuse.
+    /// Whether it scatters nearly as a diffuse surface of its albedo would, given the roughness from which on its gloss
+    /// may count as diffuse.
     pub(crate) fn is_nearly_diffuse(&self, rough: f32) -> bool {
         let Inputs { base_metalness, transmission_weight, diffuse_transmission_weight, coat_weight, .. } = self.inputs;
         let is_opaque = transmission_weight == 0.0 && diffuse_transmission_weight == 0.0;

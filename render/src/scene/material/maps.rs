@@ -1,8 +1,8 @@
 //! Maps: textures on the inputs of a material.
 //!
 //! An input with a map goes from a value at texel 0 (`zero`, mostly 0) to its constant at texel 1:
-//! `value = zero × (1 - texel) + constant × texel`. With 0 that is the product that most formats define; glossiness (1 to
-//! roughness) and a film's thickness (minimum to maximum) are the same formula.
+//! `value = zero × (1 - texel) + constant × texel`. With 0 that is the product that most formats define; glossiness (1
+//! to roughness) and a film's thickness (minimum to maximum) are the same formula.
 
 use glam::{Vec2, Vec3, Vec4};
 
@@ -86,13 +86,14 @@ pub struct Opacity {
     pub value: f32,
     /// The map that multiplies it.
     pub map: Option<(TextureMap, Channel)>,
-    /// A mask: below this opacity there is a hole, from it on the surface is whole. Without one, a surface is there with the
-    /// probability of its opacity.
+    /// A mask: below this opacity there is a hole, from it on the surface is whole. Without one, a surface is there
+    /// with the probability of its opacity.
     pub cutoff: Option<f32>,
 }
 
-/// `KHR_materials_anisotropy`: with roughness `r`, α along the tangent is `r² + (1 - r²) strength²`, across it `r²`. Blender
-/// writes its own parameter for the strength, by which they are `r² / a` and `r² a` with `a² = 1 - 0.9 strength`.
+/// `KHR_materials_anisotropy`: with roughness `r`, α along the tangent is `r² + (1 - r²) strength²`, across it `r²`.
+/// Blender writes its own parameter for the strength, by which they are `r² / a` and `r² a` with
+/// `a² = 1 - 0.9 strength`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GltfAnisotropy {
     /// 0 to 1.

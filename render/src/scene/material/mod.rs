@@ -27,10 +27,11 @@ pub struct Material {
     pub maps: Vec<InputMap>,
     /// Whether the colours of a mesh's vertices multiply `base_color`, and their alpha the opacity.
     pub uses_vertex_colors: bool,
-    /// Whether `base_color` is the colour of transmitted light too, in place of [`Inputs::transmission_color`]: of a thin
-    /// wall as it is, of a solid its square root, since light goes in and out.
+    /// Whether `base_color` is the colour of transmitted light too, in place of [`Inputs::transmission_color`]: of a
+    /// thin wall as it is, of a solid its square root, since light goes in and out.
     pub base_color_tints_transmission: bool,
-    /// By how much the tangent is turned about the normal, in radians, counter-clockwise: where `specular_anisotropy` points.
+    /// By how much the tangent is turned about the normal, in radians, counter-clockwise: where `specular_anisotropy`
+    /// points.
     pub tangent_rotation: f32,
     /// Anisotropy as glTF has it, in place of [`Inputs::specular_anisotropy`].
     pub anisotropy: Option<GltfAnisotropy>,

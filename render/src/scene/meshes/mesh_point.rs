@@ -20,7 +20,7 @@ pub struct MeshPoint<'a> {
     pub textures: &'a [Texture],
     /// The position.
     pub mesh: &'a Mesh,
-    /// The triangle's number in the mesh.
+    /// The triangle's index in the mesh.
     pub triangle: usize,
     /// Barycentric weights of its corners, which add up to 1.
     pub weights: [f32; 3],
@@ -87,8 +87,8 @@ impl<'a> MeshPoint<'a> {
         if self.mesh.colors.is_empty() { Vec4::ONE } else { self.mix(self.corners(&self.mesh.colors)) }
     }
 
-    /// Derivatives of position and normal direction for the texture coordinates of a set; `None` where these do not span
-    /// the triangle.
+    /// Derivatives of position and normal direction for the texture coordinates of a set; `None` where these do not
+    /// span the triangle.
     fn derivatives(&self, set: u32) -> Option<[Vec3; 2]> {
         let texcoords = self.corners(self.mesh.texcoord_set(set)?);
         let [a, b, c] = self.corners(&self.mesh.positions).map(Vec3::as_dvec3);
@@ -137,8 +137,8 @@ impl Material {
         self.normal_map.is_some() || self.bump_map.is_some()
     }
 
-    /// The coat's normal at a point, on the front, where it is not that of what the coat covers; `smooth` is the unit normal
-    /// by the vertices.
+    /// The coat's normal at a point, on the front, where it is not that of what the coat covers; `smooth` is the unit
+    /// normal by the vertices.
     pub fn coat_normal_at(&self, point: &MeshPoint<'_>, smooth: Vec3) -> Option<Vec3> {
         match &self.coat_normal {
             CoatNormal::OfBase => None,
@@ -150,7 +150,8 @@ impl Material {
         }
     }
 
-    /// Normal and tangent at a point, whose interpolated normal is `interpolated`, as in [`shading_at`](Self::shading_at).
+    /// Normal and tangent at a point, whose interpolated normal is `interpolated`, as in
+    /// [`shading_at`](Self::shading_at).
     pub fn frame_at(&self, point: &MeshPoint<'_>, interpolated: Vec3) -> ShadingFrame {
         let tangent = point.tangent();
         let mut normal = interpolated;
@@ -177,8 +178,8 @@ impl Material {
         }
         let turn = Vec2::from_angle(self.tangent_rotation);
         let texel = map.map_or(Vec2::X, |map| point.texel(map).truncate().truncate() * 2.0 - 1.0);
-        let way = turn.rotate(texel.try_normalize().unwrap_or(Vec2::X));
-        (tangent * way.x + bitangent * way.y).normalize_or(tangent)
+        let slope = turn.rotate(texel.try_normalize().unwrap_or(Vec2::X));
+        (tangent * slope.x + bitangent * slope.y).normalize_or(tangent)
     }
 }
 

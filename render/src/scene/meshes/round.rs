@@ -11,7 +11,7 @@ use glam::Vec3;
 use crate::scene::Mesh;
 
 /// The most triangles that all balls of a mesh have together, but for the coarsest.
-const MOST: usize = 1 << 21;
+const MAX_BALL_TRIANGLES: usize = 1 << 21;
 /// Cuts of the finest ball: 320 triangles.
 const FINEST: u32 = 2;
 const SIDES: u32 = 12;
@@ -49,7 +49,7 @@ pub(crate) fn tubes(mesh: Mesh, lines: &[[u32; 2]], radius: f32) -> Mesh {
 
 impl Solid {
     fn add_balls(&mut self, vertices: &[u32]) {
-        let fits = |cuts: &u32| vertices.len().saturating_mul(20 << (2 * cuts)) <= MOST;
+        let fits = |cuts: &u32| vertices.len().saturating_mul(20 << (2 * cuts)) <= MAX_BALL_TRIANGLES;
         let (outward, triangles) = ball((0..=FINEST).rev().find(fits).unwrap_or(0));
         for &vertex in vertices {
             self.add(vertex, &outward, &triangles);

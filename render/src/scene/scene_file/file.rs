@@ -100,8 +100,8 @@ pub fn open(path: &Path) -> Result<(Scene, Overrides), SceneError> {
     open_with(path, &Overrides::default())
 }
 
-/// Reads a scene as [`open`] does, at the moment and with the sharing of `overrides`, or those of the scene file where they set
-/// none. [`Sharing::Never`] means that all meshes are in world space.
+/// Reads a scene as [`open`] does, at the moment and with the sharing of `overrides`, or those of the scene file where
+/// they set none. [`Sharing::Never`] means that all meshes are in world space.
 pub fn open_with(path: &Path, overrides: &Overrides) -> Result<(Scene, Overrides), SceneError> {
     open_watched(path, overrides, None)
 }

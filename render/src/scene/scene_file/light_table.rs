@@ -56,8 +56,6 @@ enum Source {
     Lamp(Lamp),
 }
 
-/// The largest light without a surface; lamps have coordinates.
-const MAX_RADIUS: f32 = 1e15;
 /// The largest size of lamps, and their largest coordinate, so that no corner is too far away.
 const MAX_SIZE: f32 = 0.25 * MAX_COORDINATE;
 /// As in Blender.
@@ -96,7 +94,7 @@ impl<'a> Table<'a> {
             Kind::Point => Source::Punctual(PunctualLight::Point {
                 position: self.position()?,
                 intensity: self.strength("intensity", 4.0 * std::f64::consts::PI)?,
-                radius: self.number("radius", 0.0, MAX_RADIUS, 0.0)?,
+                radius: self.number("radius", 0.0, PunctualLight::MAX_RADIUS, 0.0)?,
             }),
             Kind::Spot => Source::Punctual(self.spot()?),
             Kind::ProfiledPoint | Kind::ProfiledSpot => return self.profiled(self.required("profile", "profile = …")?),
@@ -174,7 +172,7 @@ impl<'a> Table<'a> {
             position: self.position()?,
             direction: self.direction()?,
             intensity: self.strength("intensity", edge.solid_angle(cos_inner, cos_outer))?,
-            radius: self.number("radius", 0.0, MAX_RADIUS, 0.0)?,
+            radius: self.number("radius", 0.0, PunctualLight::MAX_RADIUS, 0.0)?,
             cos_inner,
             cos_outer,
             edge,

@@ -9,8 +9,8 @@ use crate::scene::material::{CoatNormal, Input, Material};
 use crate::scene::texture::{ColorSpace, Texture, TextureMap};
 
 impl Material {
-    /// The table: values that differ from those of plain diffuse reflection, and in comments what a model's own textures
-    /// vary, since these have no file that could be named.
+    /// The table: values that differ from those of plain diffuse reflection, and in comments what a model's own
+    /// textures vary, since these have no file that could be named.
     pub fn to_toml(&self, textures: &[Texture]) -> String {
         let mut text = format!("[[material]]\nname = {}\n", quoted(&self.name));
         let mut line = |key: &str, value: String| {

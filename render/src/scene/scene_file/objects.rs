@@ -32,7 +32,7 @@ pub use tables::{InstanceTable, ObjectTable};
 pub(super) use tables::{read_instances, read_objects};
 
 /// The most instances of a scene: more than fit into any memory.
-const MOST: usize = 1 << 28;
+const MAX_INSTANCES: usize = 1 << 28;
 
 /// The result of an object of a scene file.
 struct Loaded {
@@ -91,8 +91,8 @@ impl<'a> Objects<'a> {
             };
             let own = object.own.map(|object| Instance { object, to_world: Affine3A::IDENTITY });
             let parts: Vec<Instance> = own.into_iter().chain(object.inner.iter().copied()).collect();
-            if scene.instances.len().saturating_add(parts.len().saturating_mul(places.len())) > MOST {
-                let problem = format!("the scene has more than {MOST} instances");
+            if scene.instances.len().saturating_add(parts.len().saturating_mul(places.len())) > MAX_INSTANCES {
+                let problem = format!("the scene has more than {MAX_INSTANCES} instances");
                 return error(problem, "show fewer".to_owned());
             }
             let materials = table.materials(self.path, scene)?;

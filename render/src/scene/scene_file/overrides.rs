@@ -5,6 +5,7 @@
 mod cached;
 mod camera;
 mod camera_keys;
+mod conflict;
 mod integrator;
 mod light;
 mod moment;
@@ -12,9 +13,8 @@ mod optics;
 pub(crate) mod options;
 mod pose;
 mod sky;
-
-use std::fmt;
-use std::path::{Path, PathBuf};
+#[cfg(test)]
+mod tests;
 
 use glam::Vec3;
 use halfdome_kernel::Quality;
@@ -27,6 +27,8 @@ use crate::settings::{Aov, Cryptomatte, Filter, Invalid, MAX_SIDE, Settings};
 
 pub use cached::CachedOverrides;
 pub use camera::CameraOverrides;
+pub use conflict::Conflict;
+use conflict::Group;
 pub use integrator::IntegratorOverrides;
 pub use light::LightOverrides;
 pub use moment::MomentOverrides;
@@ -58,8 +60,8 @@ options! {
         #[arg(value_name = "PIXELS", help_heading = "Film")]
         #[arg(allow_negative_numbers = true)]
         height: u32 = value::side, in "film";
-        /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness [default:
-        /// box]
+        /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness
+        /// [default: box]
         #[arg(value_name = "NAME", help_heading = "Film")]
         filter: String = value::filter, in "film";
         /// Full width of the filter in pixels [default: depends on the filter]
@@ -84,7 +86,8 @@ options! {
         /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
         #[arg(value_name = "QUALITY", help_heading = "Render")]
         build: Quality = value::quality, in "render";
-        /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA and HalfB
+        /// Add channels to the EXR: Albedo, P, N, Ns, u, v, Depth, Id of the first surface, Variance, Samples, HalfA
+        /// and HalfB
         #[arg(help_heading = "Film", num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         aov: bool = value::flag, in "film";
@@ -302,51 +305,3 @@ fn choose_variant(scene: &mut Scene, name: &str) -> Result<(), Invalid> {
 fn replace<T: Copy>(value: &mut T, with: Option<T>) {
     *value = with.unwrap_or(*value);
 }
-
-/// Options that do not go together, or with the scene.
-///
-/// Prints as [`Invalid`] does, after the scene file if that has a part in it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Conflict {
-    group: Group,
-    error: Invalid,
-    file: Option<PathBuf>,
-}
-
-/// Options that can be in conflict with each other.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Group {
-    Camera,
-    Size,
-    Filter,
-    Integrator,
-    Sky,
-    Variant,
-    Aovs,
-}
-
-impl Conflict {
-    fn new(group: Group, error: Invalid) -> Self {
-        Self { group, error, file: None }
-    }
-
-    /// The conflict with the name of the scene at `path`, whose file sets `options`, if any of them are involved.
-    pub fn naming(self, path: &Path, options: &Overrides) -> Self {
-        let file = options.sets_any(self.group).then(|| path.to_owned());
-        Self { file, ..self }
-    }
-}
-
-impl fmt::Display for Conflict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(file) = &self.file {
-            write!(f, "{}: ", file.display())?;
-        }
-        write!(f, "{}", self.error)
-    }
-}
-
-impl std::error::Error for Conflict {}
-
-#[cfg(test)]
-mod tests;

@@ -1,8 +1,8 @@
-//! KTX2 files with textures of Basis Universal (ETC1S and UASTC, of `KHR_texture_basisu`), which the crate basisu decodes: the
-//! largest level, as 8 bits, or as floats if it is UASTC HDR.
+//! KTX2 files with textures of Basis Universal (ETC1S and UASTC, of `KHR_texture_basisu`), which the crate basisu
+//! decodes: the largest level, as 8 bits, or as floats if it is UASTC HDR.
 //!
-//! Deviations: colours are sRGB or linear as the material's input says, whatever the file says; other kinds of blocks (BC7, ASTC)
-//! and texels that are not compressed are not read.
+//! Deviations: colours are sRGB or linear as the material's input says, whatever the file says; other kinds of blocks
+//! (BC7, ASTC) and texels that are not compressed are not read.
 
 use basisu::{DecodeFlags, Error, SourceFormat, TargetFormat, Transcoder};
 use half::f16;
@@ -10,7 +10,8 @@ use half::f16;
 use super::error::TextureError;
 use super::{Texels, Texture};
 
-/// Where the header has `vkFormat`, the size of the picture, and the size of its first level when Zstandard has unpacked it.
+/// Where the header has `vkFormat`, the size of the picture, and the size of its first level when Zstandard has
+/// unpacked it.
 const FORMAT: usize = 12;
 const SIZE: [usize; 2] = [20, 24];
 const UNPACKED: usize = 96;

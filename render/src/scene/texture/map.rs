@@ -7,8 +7,8 @@ use glam::{Affine2, Vec2};
 pub struct TextureMap {
     /// An index into [`Scene::textures`](super::super::Scene::textures).
     pub texture: usize,
-    /// The set of texture coordinates: 0 for a mesh's `texcoords`, 1 for its `lightmap_texcoords`. Where there are none,
-    /// the texture's mean counts.
+    /// The set of texture coordinates: 0 for a mesh's `texcoords`, 1 for its `lightmap_texcoords`. Where there are
+    /// none, the texture's mean counts.
     pub set: u32,
     /// Takes texture coordinates to the picture, whose upper left corner is (0, 0).
     pub transform: Affine2,

@@ -30,7 +30,7 @@ impl<'a> TextureStore<'a> {
         Self { files, list, known: BTreeMap::new() }
     }
 
-    /// The number of the texture in the file at `path`.
+    /// The index of the texture in the file at `path`.
     pub(crate) fn load(&mut self, path: &Path) -> Result<usize, Problem> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
@@ -45,7 +45,7 @@ impl<'a> TextureStore<'a> {
         self.files.contains(path)
     }
 
-    /// The number of a texture that is made here.
+    /// The index of a texture that is made here.
     pub(crate) fn add(&mut self, texture: Texture) -> usize {
         self.list.push(texture);
         self.list.len() - 1

@@ -60,9 +60,9 @@ pub struct Curves {
 }
 
 impl Curves {
-    /// Measures all of `plan`. `each` sees the runs of every cache, with their kinds, or one by paths with none, and its
-    /// error or number of paths; it gives the seconds that they would take for all pixels, or `None` to end the work. Then
-    /// there are no curves.
+    /// Measures all of `plan`. `each` sees the runs of every cache, with their kinds, or one by paths with none, and
+    /// its error or number of paths; it gives the seconds that they would take for all pixels, or `None` to end the
+    /// work. Then there are no curves.
     pub fn measure(
         study: &Study,
         plan: &Plan,

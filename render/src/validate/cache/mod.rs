@@ -52,8 +52,8 @@ pub(super) const FAMILY: Family = Family {
 /// each.
 const RECORDS: f64 = 1700.0;
 
-/// A study of a scene, with so many paths for each half of its reference. A quick one looks at as many surfaces, as few of
-/// them decide: one in a corner can be half of all.
+/// A study of a scene, with so many paths for each half of its reference. A quick one looks at as many surfaces, as few
+/// of them decide: one in a corner can be half of all.
 fn study<'a>(runner: &Runner<'a>, world: &'a World, paths: u32, seed: u64) -> Result<Study<'a>, Interrupted> {
     let study = Study::new(world, Places::Candidates, 32, paths, seed, runner.watch());
     if runner.watch().stop() { Err(Interrupted) } else { Ok(study) }
@@ -106,8 +106,8 @@ fn finest(runs: &[Run]) -> &Run {
     runs.iter().min_by(|a, b| a.error.of_all.total_cmp(&b.error.of_all)).expect("each kind has runs")
 }
 
-/// How much of `what` the error of a run takes, relative to another way. An error that is lost in the reference's own shows
-/// no advantage.
+/// How much of `what` the error of a run takes, relative to another way. An error that is lost in the reference's own
+/// shows no advantage.
 fn comparison(what: &str, run: &Run, relative: impl Fn(f64) -> f64, tolerance: f64, figure: Figure) -> Outcome {
     let error = run.error.of_all;
     let measured = if error > 0.0 { relative(error) } else { 1.0 };
@@ -115,8 +115,8 @@ fn comparison(what: &str, run: &Run, relative: impl Fn(f64) -> f64, tolerance: f
     Outcome { quantity, measured, expected: 0.0, tolerance, figure: Some(figure) }
 }
 
-/// Paths for each half of the reference, however quick: the Hessian's error is 0.6%, and of a reference that is known to 2%
-/// the difference would be noise.
+/// Paths for each half of the reference, however quick: the Hessian's error is 0.6%, and of a reference that is known
+/// to 2% the difference would be noise.
 const HESSIAN_REFERENCE: u32 = 32_768;
 
 fn hessian(runner: &Runner) -> Result<Outcome, Interrupted> {

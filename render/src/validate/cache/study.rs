@@ -31,8 +31,8 @@ pub struct Reference {
 pub struct RelativeError {
     /// Of all surfaces.
     pub of_all: f64,
-    /// Of the 99% of the surfaces where it is least: a single one, a tenth of a millimetre above the edge of a lamp, say,
-    /// may hold half of the squares, and of a pixel's light it would be little.
+    /// Of the 99% of the surfaces where it is least: a single one, a tenth of a millimetre above the edge of a lamp,
+    /// say, may hold half of the squares, and of a pixel's light it would be little.
     pub of_most: f64,
 }
 
@@ -135,8 +135,8 @@ impl<'a> Study<'a> {
         Run { records: 0, rays, seconds: 0.0, error: self.reference.error_of(found.values) }
     }
 
-    /// By a cache for the picture with both gradients, read in each of these ways, on which its records do not depend. A
-    /// surface that it does not cover gets a record of its own, which counts.
+    /// By a cache for the picture with both gradients, with each of these readings, on which its records do not depend.
+    /// A surface that it does not cover gets a record of its own, which counts.
     pub(crate) fn cache(&self, options: CachedOptions, readings: &[Reading]) -> Vec<Run> {
         let cache = Cache::new(options, self.world.surroundings_hash());
         let (frozen, rays) = fill_for_camera(self.world, &self.settings, cache, self.watch);
@@ -155,7 +155,8 @@ impl<'a> Study<'a> {
     }
 }
 
-/// A surface that the camera sees at random in each of `side`² equal parts of the picture, if it sees one that scatters light.
+/// A surface that the camera sees at random in each of `side`² equal parts of the picture, if it sees one that scatters
+/// light.
 fn sensors(world: &World, places: Places, side: u32) -> Vec<Sensor> {
     let camera = world.camera_on(SIDE, SIDE);
     let part = SIDE as f32 / side as f32;

@@ -11,7 +11,7 @@ use crate::world::World;
 const HUE_STEP: f32 = 0.618_034;
 
 impl World {
-    /// The colour of a light by its number among all, in linear sRGB.
+    /// The colour of a light by its index among all, in linear sRGB.
     pub(crate) fn light_color(&self, light: u32) -> Vec3 {
         match &self.lights.lights()[light as usize] {
             Light::Triangle(prim_id) => self.mesh_light_color(self.mesh_number(*prim_id)),
@@ -21,7 +21,7 @@ impl World {
     }
 
     /// The names of all lights, with the colours, in linear sRGB, of the integrator `heat-lights`: the sky, punctual
-    /// lights, meshes that emit. Without a name of its own a light has its number.
+    /// lights, meshes that emit. Without a name of its own a light is called by its index.
     pub fn light_colors(&self) -> Vec<(String, Vec3)> {
         let sky = (self.lights.sky.mean() != Vec3::ZERO).then(|| (SKY.to_owned(), color(0)));
         let punctual = self.light_labels.iter().enumerate().map(|(number, label)| {
@@ -39,7 +39,7 @@ impl World {
     }
 }
 
-/// The colour of this number: bright, of any hue.
+/// The colour of this index: bright, of any hue.
 fn color(number: usize) -> Vec3 {
     let hue = (number as f32 * HUE_STEP).fract();
     // Hue to RGB (Smith 1978), as tents about 0, 1/3 and 2/3, with a floor so that no colour is dark.

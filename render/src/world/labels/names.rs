@@ -9,7 +9,7 @@ use crate::settings::MatteKind;
 use crate::world::{Hit, World};
 
 impl World {
-    /// The names of all objects or materials, by their numbers. Without a name of its own each has its number.
+    /// The names of all objects or materials, by their indices. One without a name is called by its index.
     pub(crate) fn names(&self, kind: MatteKind) -> Box<dyn Iterator<Item = String> + '_> {
         let named = move |(number, name): (usize, &String)| match name.as_str() {
             "" => format!("{} {number}", kind.name()),
@@ -21,12 +21,12 @@ impl World {
         }
     }
 
-    /// The number of the triangle at a hit in its mesh.
+    /// The index of the triangle at a hit in its mesh.
     pub(crate) fn triangle_number(&self, hit: &Hit) -> u32 {
         hit.prim_id - self.first_faces[self.mesh_number(hit.prim_id)]
     }
 
-    /// The number of the object or the material at a hit.
+    /// The index of the object or the material at a hit.
     pub(crate) fn number_of(&self, kind: MatteKind, hit: &Hit) -> usize {
         let record = &self.triangle_records[hit.prim_id as usize];
         match kind {
@@ -41,7 +41,7 @@ const REST: &str = "rest";
 pub(super) const SKY: &str = "sky";
 
 impl World {
-    /// The number of the mesh that a triangle belongs to.
+    /// The index of the mesh that a triangle belongs to.
     #[inline]
     pub(crate) fn mesh_number(&self, prim_id: u32) -> usize {
         self.triangle_records[prim_id as usize].mesh as usize

@@ -11,8 +11,8 @@ const POINTS: u32 = 8192;
 /// Lights that are chosen at each.
 const CHOICES: u32 = 8;
 
-/// The part of light samples that lights get, estimated at points spread evenly over the scene's surfaces, seen from their
-/// fronts. The sum is 1 unless no point receives light.
+/// The part of light samples that lights get, estimated at points spread evenly over the scene's surfaces, seen from
+/// their fronts. The sum is 1 unless no point receives light.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct LightShares {
     /// The share of all emissive triangles of each material.

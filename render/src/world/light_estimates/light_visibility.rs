@@ -13,7 +13,7 @@ use crate::light::SkyPart;
 use crate::world::{Surface, World};
 
 /// The least visibility, for lights that are occluded nearly everywhere.
-const LEAST: f32 = 0.05;
+const MIN_VISIBILITY: f32 = 0.05;
 
 impl World {
     /// Tells the lights how far they reach.
@@ -39,8 +39,8 @@ impl World {
         self.lights.set_visibility(&directional, sky, open);
     }
 
-    /// The part of the points that are lit from the direction beside each, among those whose front it is on; `rest` is that of a
-    /// ray that anything may block.
+    /// The part of the points that are lit from the direction beside each, among those whose front it is on; `rest` is
+    /// that of a ray that anything may block.
     fn reached<'a>(
         &self,
         directions: impl Iterator<Item = (&'a Surface<'a>, glam::Vec3)>,
@@ -55,6 +55,6 @@ impl World {
         let mut occluded = vec![false; rays.len()];
         self.occluded_many(&rays, &mut occluded);
         let free = occluded.iter().filter(|occluded| !**occluded).count();
-        if rays.is_empty() { 1.0 } else { (free as f32 / rays.len() as f32).max(LEAST) }
+        if rays.is_empty() { 1.0 } else { (free as f32 / rays.len() as f32).max(MIN_VISIBILITY) }
     }
 }

@@ -23,13 +23,13 @@ const FIERCE: f32 = 8.0;
 const SMALL: f64 = 1e-3;
 const ALL_SMALL: f64 = 0.02;
 /// The part of their power that is kept, and the greatest number of triangles.
-const MOST_POWER: f64 = 0.995;
-const MOST: usize = 1 << 11;
+const KEPT_POWER: f64 = 0.995;
+const MAX_TRIANGLES: usize = 1 << 11;
 /// Their share of the scene's light, times their brightness relative to the mean, is about the variance that they cause
 /// in bounces. Below this value bounces suffice.
-const LEAST_GAIN: f32 = 0.5;
+const MIN_GAIN: f32 = 0.5;
 /// The least part of rays towards them that must be unoccluded.
-const LEAST_SEEN: f32 = 0.3;
+const MIN_UNOCCLUDED: f32 = 0.3;
 /// From this multiple of the mean irradiance on paths always sample them: found by trial.
 const AIM_FROM: f32 = 8.0;
 /// Rays that measure how far the light of a triangle reaches.
@@ -72,7 +72,7 @@ impl World {
         let found = mean + received * FRAC_1_PI;
         let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
         lit.aim_from(AIM_FROM * PI * found, PI * mean);
-        (part * fierceness >= LEAST_GAIN && received >= LEAST_SEEN * reached).then_some(lit)
+        (part * fierceness >= MIN_GAIN && received >= MIN_UNOCCLUDED * reached).then_some(lit)
     }
 
     /// Triangles that reflect at least so much, with what they are as lights, as many as are to be aimed at.
@@ -88,9 +88,9 @@ impl World {
             .collect();
         // Of equals the first.
         lit.sort_by(|(a, first), (b, second)| second.radiance.total_cmp(&first.radiance).then(a.cmp(b)));
-        let most = MOST_POWER * sum(&lit, |light| light.radiance);
+        let most = KEPT_POWER * sum(&lit, |light| light.radiance);
         let (mut area, mut power) = (0.0, 0.0);
-        let kept = lit.iter().take(MOST).take_while(|(_, light)| {
+        let kept = lit.iter().take(MAX_TRIANGLES).take_while(|(_, light)| {
             let is_needed = power < most;
             area += f64::from(light.area);
             power += f64::from(light.area * light.radiance);
@@ -110,13 +110,13 @@ impl World {
             let (each, chosen) = lit.representatives(&receiver);
             for prim_id in chosen {
                 let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
-                let way = point.position - middle.position;
-                if !lit.may_reach(prim_id, way.normalize_or(Vec3::Z), way.length()) {
+                let vector = point.position - middle.position;
+                if !lit.may_reach(prim_id, vector.normalize_or(Vec3::Z), vector.length()) {
                     continue;
                 }
                 reached += each;
                 let end = middle.end_from(point.position);
-                if !self.occluded(&Ray::between(point.origin_towards(-way), end)) {
+                if !self.occluded(&Ray::between(point.origin_towards(-vector), end)) {
                     received += each;
                 }
             }

@@ -108,7 +108,7 @@ impl InstanceRecord {
 }
 
 impl Instances {
-    /// Objects, by their triangles, each with the number of its first one; and where they are.
+    /// Objects, by their triangles, each with the index of its first one; and where they are.
     pub(crate) fn build<E: Executor>(
         executor: &E,
         objects: &[(Vec<Triangle>, u32)],
@@ -157,7 +157,7 @@ impl Instances {
 
     /// See [`World::instance_bytes`].
     pub(crate) fn bytes(&self) -> usize {
-        self.scene.bytes() + size_of_val(&self.first_prims[..]) + size_of_val(&self.records[..])
+        self.scene.memory_bytes() + size_of_val(&self.first_prims[..]) + size_of_val(&self.records[..])
     }
 
     /// The box around all instances; empty if there are none.
@@ -166,8 +166,8 @@ impl Instances {
     }
 
     fn hit(&self, found: &SceneHit) -> Hit {
-        let prim_id = self.first_prims[found.geometry_id as usize] + found.hit.prim_id;
-        let instance = if self.moving == Some(found.geometry_id) { 0 } else { found.geometry_id + 1 };
+        let prim_id = self.first_prims[found.item as usize] + found.hit.prim_id;
+        let instance = if self.moving == Some(found.item) { 0 } else { found.item + 1 };
         Hit { prim_id, instance, ..Hit::of(&found.hit) }
     }
 
@@ -219,7 +219,7 @@ impl Instances {
 /// A box that no hit with an instance is outside of, a little larger than theirs.
 struct Reach(Aabb);
 
-/// Rays that may hit an instance, and their numbers.
+/// Rays that may hit an instance, and their indices.
 struct Batch {
     rays: [SceneRay; BATCH],
     numbers: [u32; BATCH],

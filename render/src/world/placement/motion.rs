@@ -21,9 +21,9 @@ pub(crate) struct Motion {
     first: u32,
     /// The corners of these at each key.
     corners: Vec<Vec<Triangle>>,
-    /// The transforms of each instance that moves, by its number.
+    /// The transforms of each instance that moves, by its index.
     instances: BTreeMap<usize, Arc<[Affine3A]>>,
-    /// Each punctual light that moves, by its number in the scene.
+    /// Each punctual light that moves, by its index in the scene.
     lights: BTreeMap<usize, Vec<PunctualLight>>,
     /// The camera's poses, empty if it is static.
     cameras: Vec<CameraPose>,
@@ -117,7 +117,7 @@ impl Motion {
         self.moment(time)
     }
 
-    /// A punctual light, by its number in the scene, where it is at a time; `None` if it is static.
+    /// A punctual light, by its index in the scene, where it is at a time; `None` if it is static.
     pub(crate) fn light(&self, number: usize, still: &PunctualLight, time: f32) -> Option<PunctualLight> {
         let keys = self.lights.get(&number)?;
         let moment = self.moment(time);
@@ -127,7 +127,7 @@ impl Motion {
 }
 
 impl scene::Motion {
-    /// Each light that moves, by its number, as one that reaches wherever it does at any time: light is chosen by these.
+    /// Each light that moves, by its index, as one that reaches wherever it does at any time: light is chosen by these.
     pub(crate) fn spread_lights(&self, lights: &[PunctualLight]) -> Vec<(usize, PunctualLight)> {
         let spread = |(&number, keys): (&usize, &Vec<PunctualLight>)| {
             let still = &lights[number];

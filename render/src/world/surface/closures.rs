@@ -118,7 +118,8 @@ mod tests {
         material
     }
 
-    /// All but [`Kind::Matte`] have closures; each must be the one that is made from the inputs at the point, in all its bits.
+    /// All but [`Kind::Matte`] have closures; each must be the one that is made from the inputs at the point, in all
+    /// its bits.
     fn is_as_made_there(material: &Material, expected: Varies) {
         assert_eq!(Varies::of(material), expected, "{material:?}");
         let world = square(material.clone());

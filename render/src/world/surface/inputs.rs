@@ -27,8 +27,8 @@ impl World {
         self.is_diffuse_from(prim_id, ROUGH)
     }
 
-    /// The same where all its light, also that of lamps and suns, is computed from irradiance: smoother surfaces reflect these as patches
-    /// that one sees on the walls.
+    /// The same where all its light, also that of lamps and suns, is computed from irradiance: smoother surfaces
+    /// reflect these as patches that one sees on the walls.
     pub(crate) fn is_nearly_diffuse_to_lights(&self, prim_id: u32) -> bool {
         const ROUGH: f32 = 0.5;
         self.is_diffuse_from(prim_id, ROUGH)
@@ -79,8 +79,8 @@ mod tests {
     const FLAT: [u8; 4] = [128, 128, 255, 255];
     const LEANING: [u8; 4] = [218, 128, 218, 255];
 
-    /// The normals of a coated square, which leans by its map, of the base and of the coat, as seen by a vertical ray. The square
-    /// stands for itself, or is an object in an instance that is turned.
+    /// The normals of a coated square, which leans by its map, of the base and of the coat, as seen by a vertical ray.
+    /// The square stands for itself, or is an object in an instance that is turned.
     fn normals(coat_normal: &CoatNormal, turn: Option<Affine3A>, from_above: bool) -> [Vec3; 2] {
         let map = |texture| TextureMap { texture, space: ColorSpace::Linear, ..TextureMap::default() };
         let mut material = Material { coat_normal: coat_normal.clone(), ..Material::default() };

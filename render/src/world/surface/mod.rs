@@ -116,7 +116,8 @@ impl World {
         self.surface_of(&face, hit)
     }
 
-    /// The surface at barycentric coordinates of a triangle that is in world space, in the middle of the shutter's time.
+    /// The surface at barycentric coordinates of a triangle that is in world space, in the middle of the shutter's
+    /// time.
     #[inline(always)]
     pub(crate) fn surface(&self, prim_id: u32, u: f32, v: f32) -> Surface<'_> {
         self.surface_of(&self.triangle_records[prim_id as usize], &Hit { prim_id, u, v, ..Hit::MISS })

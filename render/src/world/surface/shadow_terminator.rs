@@ -25,7 +25,7 @@ use crate::world::{Hit, World};
 const STEEPEST: f32 = 0.866;
 /// The height of a corner above the plane of another's normal, relative to their distance, below which it counts as
 /// rounding.
-const LEAST: f32 = 1e-4;
+const MIN_SLOPE: f32 = 1e-4;
 /// A height below this part of a ray's length is not visible, and needs no ray.
 const UNSEEN: f32 = 1e-4;
 
@@ -60,8 +60,8 @@ impl Convexity {
         }
         let (mut is_convex, mut is_concave) = (true, true);
         for (i, j) in [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)] {
-            let way = corners[j] - corners[i];
-            let (height, least) = (way.dot(normals[i]), LEAST * way.length());
+            let edge = corners[j] - corners[i];
+            let (height, least) = (edge.dot(normals[i]), MIN_SLOPE * edge.length());
             is_convex &= height <= least;
             is_concave &= height >= -least;
         }
@@ -135,8 +135,8 @@ impl World {
         if hit.t.is_finite() && lift < UNSEEN * hit.t {
             return lift;
         }
-        let way = smooth * (lift / smooth.dot(normal).max(0.5));
-        let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, way) }, hit.time);
+        let offset = smooth * (lift / smooth.dot(normal).max(0.5));
+        let other = self.intersect_at(&Ray { t_max: 1.0, ..Ray::new(origin, offset) }, hit.time);
         if other.is_hit() { 0.5 * other.t * lift } else { lift }
     }
 }
@@ -172,7 +172,8 @@ mod tests {
         fixtures::ball([8, 12])
     }
 
-    /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if `placed` says so.
+    /// The ball under the sun, and another that does not matter; as an instance that is flattened and turned if
+    /// `placed` says so.
     fn world(mesh: Mesh, material: Material, placed: Option<Affine3A>) -> World {
         let mesh = Mesh { object: placed.map(|_| 0), ..mesh };
         let mut scene = Scene {

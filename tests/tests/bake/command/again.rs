@@ -55,7 +55,7 @@ fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
             let kill = std::process::Command::new("kill").args([format!("-{signal}"), child.id().to_string()]).status();
             assert!(kill.unwrap().success());
             let status = child.wait().unwrap();
-            let files = names(program);
+            let files = program.names();
             if signal == "INT" {
                 assert_eq!(status.code(), Some(3));
                 assert!(files.contains(&"out.gltf.state".to_owned()), "{files:?}");
@@ -69,6 +69,6 @@ fn what_was_killed_leaves_nothing_half_written_and_goes_on() {
         assert_eq!(other.code, Some(1), "the state is of other options");
         assert!(other.stderr.contains("out.gltf.state: belongs to another level"), "{}", other.stderr);
         succeed(&program.run_line(small));
-        assert!(!names(program).contains(&"out.gltf.state".to_owned()));
+        assert!(!program.names().contains(&"out.gltf.state".to_owned()));
     });
 }

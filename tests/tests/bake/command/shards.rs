@@ -73,6 +73,6 @@ fn shards_that_do_not_belong_together_are_named() {
             assert_eq!(outcome.code, Some(1), "{line}: {}", outcome.stderr);
             assert!(outcome.stderr.contains(problem), "{line}: {}", outcome.stderr);
         }
-        assert!(!names(program).iter().any(|name| name.starts_with("out")), "nothing is written");
+        assert!(!program.names().iter().any(|name| name.starts_with("out")), "nothing is written");
     });
 }

@@ -122,7 +122,8 @@ fn forged_blobs_are_refused() {
     assert_eq!(forge(&[(52, 8 | 3 << 16)]), header("quality"));
     assert_eq!(forge(&[(numbers, 99)]), InvalidTree::BadItem { place: 0 }.into());
 
-    // The inner scene is the first: its items are 0 to 2, those of the town 3 to 10, of which 3, 6 and 8 are that scene.
+    // The inner scene is the first: its items are 0 to 2, those of the town 3 to 10, of which 3, 6 and 8 are that
+    // scene.
     let item = |index: usize, field: usize| items + 20 * index + 4 * field;
     let scene = |index: usize, field: usize| scenes + 32 * index + 4 * field;
     // In itself, in one after it, of no mesh, of no kind, nothing that is something.

@@ -48,8 +48,8 @@ fn points_at(triangles: &[Triangle], random: &mut Random, count: usize) -> Vec<V
         .collect()
 }
 
-/// Checks the closest points of `triangles` on every instruction set against each other, a loop and `f64`; how many there
-/// were.
+/// Checks the closest points of `triangles` on every instruction set against each other, a loop and `f64`; how many
+/// there were.
 fn check_closest(triangles: &[Triangle], points: &[Vec3], radius: f32) -> usize {
     let mut found = 0;
     let trees = Quality::ALL.map(|quality| build(triangles, quality));
@@ -133,8 +133,9 @@ fn of_equally_close_triangles_the_first_counts() {
 
 #[test]
 fn boxes_as_close_as_their_triangles_are_not_left_out() {
-    // Walls that are their own boxes, of numbers that are rounded, and points straight above corners, edges and insides:
-    // there is no room for error between a box's distance and a triangle's, and several triangles are equally close.
+    // Walls that are their own boxes, of numbers that are rounded, and points straight above corners, edges and
+    // insides: there is no room for error between a box's distance and a triangle's, and several triangles are equally
+    // close.
     let mut triangles = Vec::new();
     for i in 0..12 {
         for j in 0..12 {

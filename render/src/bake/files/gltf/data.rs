@@ -1,6 +1,7 @@
 //! New binary data of a file: bytes, the views of them, and accessors.
 //!
-//! In a GLB container they are put behind the chunk that is there; otherwise they become one more buffer, in a data URI.
+//! In a GLB container they are put behind the chunk that is there; otherwise they become one more buffer, in a data
+//! URI.
 
 use ::gltf::json::accessor::{ComponentType, GenericComponentType, Type};
 use ::gltf::json::validation::Checked;
@@ -40,7 +41,7 @@ impl Data {
         Self { buffer, offset, first_view, first_accessor, bytes, views, accessors }
     }
 
-    /// Adds a view of these bytes; gives its number.
+    /// Adds a view of these bytes; gives its index.
     pub(super) fn view(&mut self, bytes: &[u8]) -> usize {
         self.push_view(bytes, json!({}))
     }
@@ -61,14 +62,14 @@ impl Data {
         self.first_accessor + self.accessors.len() - 1
     }
 
-    /// Adds an accessor of texture coordinates; gives its number.
+    /// Adds an accessor of texture coordinates; gives its index.
     pub(super) fn texcoords(&mut self, pairs: &[Vec2]) -> usize {
         let bytes: Vec<u8> = pairs.iter().flat_map(|pair| pair.to_array()).flat_map(f32::to_le_bytes).collect();
         let view = self.push_view(&bytes, json!({"byteStride": 8, "target": VERTICES}));
         self.push_accessor(view, json!({"componentType": 5126, "count": pairs.len(), "type": "VEC2"}))
     }
 
-    /// Adds an accessor of the corners of triangles; gives its number.
+    /// Adds an accessor of the corners of triangles; gives its index.
     pub(super) fn indices(&mut self, corners: impl Iterator<Item = u32> + Clone) -> usize {
         // The greatest 16-bit number restarts strips, and must not be an index.
         let short = corners.clone().all(|corner| corner < u32::from(u16::MAX));
@@ -80,7 +81,7 @@ impl Data {
         self.push_accessor(view, json!({"componentType": kind, "count": corners.count(), "type": "SCALAR"}))
     }
 
-    /// Adds an accessor whose elements are those of accessor `index` with the numbers `sources`; gives its number.
+    /// Adds an accessor whose elements are those of accessor `index` at the indices `sources`; gives its index.
     /// `user` is what refers to it. `bounded`: these are positions, whose bounds the file must have.
     pub(super) fn gather(
         &mut self,

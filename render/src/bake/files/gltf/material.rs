@@ -13,7 +13,7 @@ pub(super) struct Materials<'a> {
     texts: Vec<&'a str>,
     /// Materials that need no copy.
     in_place: BTreeSet<usize>,
-    /// Number of the material that stands for an old one, or for none, on a page.
+    /// Index of the material that stands for an old one, or for none, on a page.
     numbers: BTreeMap<(Option<usize>, usize), usize>,
     /// Old material and page of each copy.
     copies: Vec<(Option<usize>, usize)>,
@@ -38,7 +38,7 @@ impl<'a> Materials<'a> {
         Self { texts, in_place, numbers: BTreeMap::new(), copies: Vec::new() }
     }
 
-    /// The number of the material that is to be used on this page in place of `material`.
+    /// The index of the material that is to be used on this page in place of `material`.
     pub(super) fn with_lightmap(&mut self, material: Option<usize>, page: usize) -> usize {
         *self.numbers.entry((material, page)).or_insert_with(|| match material {
             Some(material) if self.in_place.contains(&material) => material,

@@ -7,10 +7,10 @@
 //!   anew, and the triangles are listed. A primitive on several pages becomes several.
 //! - A mesh under several nodes is copied, so that each node has lightmap coordinates of its own.
 //! - [`Target::Three`]: materials get `MOZ_lightmap`, in a copy for each page where several pages or surfaces without a
-//!   lightmap share a material. Radiance pictures go by `MOZ_texture_rgbe`. Both are what Mozilla Hubs uses, as glTF has
-//!   no ratified extension for either.
-//! - [`Target::Bevy`]: a node's extras get `halfdome_lightmaps`, the file for each primitive of its mesh or `null`; Bevy
-//!   would load textures that the file names as colours.
+//!   lightmap share a material. Radiance pictures go by `MOZ_texture_rgbe`. Both are what Mozilla Hubs uses, as glTF
+//!   has no ratified extension for either.
+//! - [`Target::Bevy`]: a node's extras get `halfdome_lightmaps`, the file for each primitive of its mesh or `null`;
+//!   Bevy would load textures that the file names as colours.
 
 mod assembly;
 mod data;

@@ -1,8 +1,8 @@
 //! Changes to JSON as text: unchanged content keeps its bytes: numbers, escapes, spaces and the order of members.
 //!
 //! A value is the text that stands for it. `serde_json` finds where members and elements begin and end (`RawValue`
-//! borrows from the text); here strings are cut and joined. Texts are valid JSON of the kind that a function expects, as
-//! the file has been parsed before; others are treated as empty.
+//! borrows from the text); here strings are cut and joined. Texts are valid JSON of the kind that a function expects,
+//! as the file has been parsed before; others are treated as empty.
 
 use std::collections::BTreeMap;
 use std::fmt;

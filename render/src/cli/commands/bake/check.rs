@@ -16,7 +16,7 @@ use crate::scene::{Scene, count};
 use crate::world::{LightQuery, World};
 
 /// Pairs of charts that are listed.
-const MOST_LISTED: usize = 10;
+const MAX_LISTED: usize = 10;
 
 /// Checks, prints what was found, and writes the picture; the exit code says whether light can be baked.
 pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>, style: Style) -> Result<u8, CliError> {
@@ -89,21 +89,21 @@ fn text(scene: &Scene, atlas: &Atlas, found: &Check) -> String {
         let mesh = atlas.parts[atlas.charts[index].part].mesh;
         format!("chart {index} of {}", mesh_name(scene, mesh))
     };
-    for overlap in found.overlaps.iter().take(MOST_LISTED) {
+    for overlap in found.overlaps.iter().take(MAX_LISTED) {
         let texels = count(overlap.texels as usize, "texel", "texels");
         let [a, b] = overlap.charts;
         let pair = if a == b { format!("{} with itself", chart(a)) } else { format!("{} and {}", chart(a), chart(b)) };
         line("", format!("{texels}: {pair}"));
     }
-    if found.overlaps.len() > MOST_LISTED {
-        line("", format!("and {} pairs more", found.overlaps.len() - MOST_LISTED));
+    if found.overlaps.len() > MAX_LISTED {
+        line("", format!("and {} pairs more", found.overlaps.len() - MAX_LISTED));
     }
     line(
         "crowded",
         format!("{} closer to another chart than the gutter", count(found.crowded as usize, "texel", "texels")),
     );
     line("stretched", count(found.stretched.len(), "chart", "charts"));
-    for &index in found.stretched.iter().take(MOST_LISTED) {
+    for &index in found.stretched.iter().take(MAX_LISTED) {
         line("", format!("{}: {:.3} texels per unit", chart(index), atlas.charts[index].density()));
     }
     let lost =

@@ -177,7 +177,7 @@ impl SceneFacts {
 
     /// The statistics before rendering.
     pub(crate) fn with_world(self, world: &World) -> Self {
-        let (tree_bytes, instance_bytes) = (world.tree_statistics().bytes, world.instance_bytes());
+        let (tree_bytes, instance_bytes) = (world.tree_statistics().memory_bytes, world.instance_bytes());
         Self { hash: format!("{:016x}", world.hash()), tree_bytes, instance_bytes, ..self }
     }
 }

@@ -12,20 +12,19 @@ use winit::keyboard::{Key, ModifiersState, NamedKey};
 use winit::window::WindowId;
 
 use crate::cli::error::{CliError, EXIT_DONE};
-use crate::view::{self, Command, Screen, Session, panel_width};
+use crate::view::{self, Command, Screen, Session, ZOOM_STEP, panel_width};
 
-/// Radians for the way across the picture.
+/// Radians for a drag across the picture.
 const TURN: f64 = 3.0;
 /// Pixels that a hand moves which only clicks.
 const STILL: f64 = 4.0;
-/// Pixels of a wheel's step, and what a step leaves of the distance.
+/// Pixels of a wheel's step.
 const WHEEL: f64 = 20.0;
-const CLOSER: f64 = 0.9;
 /// Lines of text for a wheel's step.
 const LINES: f64 = 3.0;
 /// The least height, for the text, and the greatest size that a window has at first.
-const LEAST_HEIGHT: u32 = 720;
-const GREATEST: (u32, u32) = (1600, 1000);
+const MIN_HEIGHT: u32 = 720;
+const MAX_SIZE: (u32, u32) = (1600, 1000);
 
 /// A display on which a window can be opened.
 pub(super) struct Window {
@@ -100,7 +99,7 @@ struct Drag {
     button: MouseButton,
     last: (f64, f64),
     /// How far it went.
-    way: f64,
+    distance: f64,
 }
 
 impl ApplicationHandler for Shown {
@@ -109,8 +108,8 @@ impl ApplicationHandler for Shown {
             return;
         }
         let settings = self.session.settings();
-        let width = (settings.width + panel_width() as u32).min(GREATEST.0);
-        let height = settings.height.clamp(LEAST_HEIGHT, GREATEST.1);
+        let width = (settings.width + panel_width() as u32).min(MAX_SIZE.0);
+        let height = settings.height.clamp(MIN_HEIGHT, MAX_SIZE.1);
         let attributes = winit::window::Window::default_attributes()
             .with_title("halfdome view")
             .with_inner_size(PhysicalSize::new(width, height));
@@ -144,7 +143,7 @@ impl ApplicationHandler for Shown {
             }
             WindowEvent::CursorMoved { position, .. } => self.point((position.x, position.y)),
             WindowEvent::MouseInput { state: ElementState::Pressed, button, .. } if !self.is_on_panel() => {
-                self.drag = Some(Drag { button, last: self.cursor, way: 0.0 });
+                self.drag = Some(Drag { button, last: self.cursor, distance: 0.0 });
             }
             WindowEvent::MouseInput { state: ElementState::Released, button, .. } => self.release(button),
             WindowEvent::MouseWheel { delta, .. } => {
@@ -154,7 +153,7 @@ impl ApplicationHandler for Shown {
                 };
                 self.apply(match self.is_on_panel() {
                     true => Command::Scroll(-(steps * LINES).round() as isize),
-                    false => Command::Zoom(CLOSER.powf(steps)),
+                    false => Command::Zoom(ZOOM_STEP.powf(steps)),
                 });
             }
             _ => {}
@@ -199,9 +198,9 @@ impl Shown {
         let pans = self.modifiers.shift_key();
         let Some(drag) = &mut self.drag else { return };
         let (right, down) = (to.0 - drag.last.0, to.1 - drag.last.1);
-        drag.way += right.hypot(down);
+        drag.distance += right.hypot(down);
         drag.last = to;
-        if drag.way < STILL {
+        if drag.distance < STILL {
             return;
         }
         let pans = pans || drag.button != MouseButton::Left;
@@ -215,7 +214,7 @@ impl Shown {
         let Some(drag) = self.drag.take_if(|drag| drag.button == button) else { return };
         let settings = self.session.settings();
         let size = (settings.width, settings.height);
-        let is_click = drag.way < STILL && button == MouseButton::Left;
+        let is_click = drag.distance < STILL && button == MouseButton::Left;
         if let Some((x, y)) = Screen::pixel_at(self.size(), self.has_panel, size, self.cursor).filter(|_| is_click) {
             self.apply(Command::Pick(x, y));
         }

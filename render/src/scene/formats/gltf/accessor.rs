@@ -27,8 +27,8 @@ pub(super) enum Component {
     F32(f32),
 }
 
-/// `N` components for each element of the accessor: 1 to 4, or 16 of a matrix. `what` it is used for, and the types that
-/// this allows, go into errors; `user` is what refers to it.
+/// `N` components for each element of the accessor: 1 to 4, or 16 of a matrix. `what` it is used for, and the types
+/// that this allows, go into errors; `user` is what refers to it.
 pub(super) fn read<const N: usize>(
     document: &Document,
     index: Index<Accessor>,

@@ -55,7 +55,8 @@ struct Sampler {
     interpolation: Option<String>,
 }
 
-/// The animations that `raw`, a part of `text`, lists, and `text` with an empty list instead, as long and with as many lines.
+/// The animations that `raw`, a part of `text`, lists, and `text` with an empty list instead, as long and with as many
+/// lines.
 pub(super) fn cut<'a>(
     text: &'a [u8],
     raw: Option<&RawValue>,

@@ -1,7 +1,7 @@
 //! The attributes of a primitive, from accessors or a compressed stream.
 //!
-//! Integers are normalised, so that their greatest is 1: those of colours and texture coordinates always, as glTF 2.0 has it;
-//! with `KHR_mesh_quantization`, which allows them for all attributes, where the accessor says so.
+//! Integers are normalised, so that their greatest is 1: those of colours and texture coordinates always, as glTF 2.0
+//! has it; with `KHR_mesh_quantization`, which allows them for all attributes, where the accessor says so.
 
 use ::gltf::json::accessor::ComponentType::{self, F32, I8, I16, U8, U16, U32};
 use ::gltf::json::accessor::Type;
@@ -98,8 +98,8 @@ impl<'a> Attributes<'a> {
         Ok(deltas)
     }
 
-    /// The joints that each vertex follows, with their weights, which are finite and not negative: four for each of the sets
-    /// `JOINTS_0`, `JOINTS_1` and so on.
+    /// The joints that each vertex follows, with their weights, which are finite and not negative: four for each of the
+    /// sets `JOINTS_0`, `JOINTS_1` and so on.
     pub(super) fn influences(&self, vertices: usize) -> Result<Vec<Vec<Influences>>, SceneError> {
         let mut sets = Vec::new();
         while let Some(index) = self.accessor(Semantic::Joints(sets.len() as u32)) {

@@ -43,10 +43,7 @@ pub(super) fn choose<'a>(
     })
 }
 
-/// Degrees; an orthographic camera has none, but an option may make a perspective one of it.
-const DEFAULT_VFOV: f32 = 40.0;
-
-/// The camera with the number `index` at a node.
+/// Camera `index` of the file at a node.
 pub(super) fn read(
     document: &Document,
     camera: &Camera,
@@ -72,7 +69,7 @@ pub(super) fn read(
                 return Err(wrong(problem, "write half the width and half the height of what it sees"));
             }
             let projection = Projection::Orthographic { height: 2.0 * half_height };
-            (DEFAULT_VFOV, projection, Some(half_width / half_height), Clip { near: *znear, far: *zfar })
+            (CameraPose::DEFAULT_VFOV, projection, Some(half_width / half_height), Clip { near: *znear, far: *zfar })
         }
         (None, None) => {
             let problem = "it is neither perspective nor orthographic".to_owned();

@@ -1,5 +1,5 @@
-//! `KHR_draco_mesh_compression`: a primitive's triangles and attributes in one compressed buffer view, decoded by the crate
-//! `draco-core`.
+//! `KHR_draco_mesh_compression`: a primitive's triangles and attributes in one compressed buffer view, decoded by the
+//! crate `draco-core`.
 
 use std::collections::BTreeMap;
 

@@ -1,5 +1,5 @@
-//! `EXT_lights_ies`: lights with photometric profiles, whose axis is their node's -Z axis and whose horizontal angle 0 is
-//! towards its X axis. Candela have the units that those of `KHR_lights_punctual` have.
+//! `EXT_lights_ies`: lights with photometric profiles, whose axis is their node's -Z axis and whose horizontal angle 0
+//! is towards its X axis. Candela have the units that those of `KHR_lights_punctual` have.
 
 use std::sync::Arc;
 

@@ -19,7 +19,7 @@ use super::Document;
 use super::hierarchy::Placed;
 use crate::scene::{PunctualLight, SceneError, SpotEdge};
 
-/// The light with the number `index` at a node.
+/// Light `index` of the file at a node.
 pub(super) fn read(
     document: &Document,
     light: &Light,
@@ -36,7 +36,7 @@ pub(super) fn read(
         ));
     }
     let position = placed.origin();
-    let radius = extra(document, light, &place, "radius", MAX_RADIUS)?;
+    let radius = extra(document, light, &place, "radius", PunctualLight::MAX_RADIUS)?;
     let half_angle = 0.5 * extra(document, light, &place, "angle", MAX_ANGLE)?;
     match light.type_ {
         Checked::Valid(Type::Point) => Ok(PunctualLight::Point { position, intensity: strength, radius }),
@@ -79,8 +79,7 @@ pub(super) fn read(
     }
 }
 
-/// The largest light, in metres, and the largest sun, in radians.
-const MAX_RADIUS: f32 = 1e15;
+/// The largest sun, in radians.
 const MAX_ANGLE: f32 = 3.125;
 
 /// A number of a light's extras that is at most `most`, 0 if it is not there.

@@ -1,5 +1,5 @@
-//! Materials: metallic-roughness and specular-glossiness with the extensions that Khronos has ratified for surfaces, taken
-//! to the inputs of one closure.
+//! Materials: metallic-roughness and specular-glossiness with the extensions that Khronos has ratified for surfaces,
+//! taken to the inputs of one closure.
 //!
 //! | glTF | input |
 //! | --- | --- |

@@ -6,7 +6,7 @@ use std::slice;
 
 use ::gltf::json::mesh::Primitive;
 use ::gltf::json::scene::Node;
-use glam::{Affine3A, DAffine3};
+use glam::DAffine3;
 
 use super::hierarchy::Placed;
 use super::pose::Pose;
@@ -62,7 +62,7 @@ impl<'a> Meshes<'a> {
                     self.add(part, &name, Some(object), scene)?;
                 }
             }
-            scene.instances.extend(places.iter().map(|place| Instance { object, to_world: single(place) }));
+            scene.instances.extend(places.iter().map(|place| Instance { object, to_world: place.as_affine3a() }));
             return Ok(());
         }
         let skin = node.skin.map(|skin| skin::read(document, skin, &document.node(placed.node), &self.nodes));
@@ -118,9 +118,4 @@ impl<'a> Meshes<'a> {
 
 fn name(own: &Option<String>, other: &Option<String>) -> String {
     own.as_ref().or(other.as_ref()).cloned().unwrap_or_default()
-}
-
-/// The transform in single precision.
-fn single(transform: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&transform.to_cols_array().map(|it| it as f32))
 }

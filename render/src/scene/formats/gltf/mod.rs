@@ -85,7 +85,7 @@ pub(crate) struct Document<'a> {
     pub(crate) root: Root,
     animations: Vec<animation::Listed>,
     buffers: Vec<Cow<'a, [u8]>>,
-    /// What compressed buffer views hold, by their numbers.
+    /// What compressed buffer views hold, by their indices.
     decompressed: BTreeMap<usize, Vec<u8>>,
     /// See [`LoadOptions`].
     without_pictures: bool,

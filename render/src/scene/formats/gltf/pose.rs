@@ -43,7 +43,8 @@ impl Pose {
         pose
     }
 
-    /// A node's transform to its parent's coordinates, and its rotation; of a matrix that of its columns if they have one.
+    /// A node's transform to its parent's coordinates, and its rotation; of a matrix that of its columns if they have
+    /// one.
     pub(super) fn local(&self, document: &Document, index: usize) -> Result<(DMat4, DQuat), SceneError> {
         let node = &document.root.nodes[index];
         let moved = self.nodes.get(&index).map(|posed| (posed.translation, posed.rotation, posed.scale));

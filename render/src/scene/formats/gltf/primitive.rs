@@ -27,8 +27,8 @@ impl Deformation {
     }
 }
 
-/// The triangles of `primitive`, which `place` names in errors; `None` for points and lines if they have no radius. The material
-/// is the number of materials for a primitive without one.
+/// The triangles of `primitive`, which `place` names in errors; `None` for points and lines if they have no radius. The
+/// material is the number of materials for a primitive without one.
 pub(super) fn read(
     document: &Document,
     primitive: &Primitive,

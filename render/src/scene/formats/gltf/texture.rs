@@ -46,8 +46,8 @@ impl<'a> Reference<'a> {
 }
 
 impl Textures {
-    /// How the texture that `reference` names lies on surfaces; `None` if it is of a kind that is not read. `user` is the
-    /// material and its slot.
+    /// How the texture that `reference` names lies on surfaces; `None` if it is of a kind that is not read. `user` is
+    /// the material and its slot.
     pub(super) fn map<'r>(
         &mut self,
         document: &Document,

@@ -38,7 +38,7 @@ pub(super) fn names(document: &Document) -> Result<Vec<Variant>, SceneError> {
     Ok(variants.into_iter().map(|Named { name }| Variant { name, materials: Vec::new() }).collect())
 }
 
-/// Adds what the primitive at `place`, which is mesh number `mesh` of the scene, has for variants.
+/// Adds what the primitive at `place`, which is mesh `mesh` of the scene, has for variants.
 pub(super) fn add(
     document: &Document,
     primitive: &Primitive,

@@ -68,7 +68,8 @@ impl Map {
         Ok(map)
     }
 
-    /// Reads the texture, which is sought relative to the folder of `mtl`, and without its own folder if it is not there.
+    /// Reads the texture, which is sought relative to the folder of `mtl`, and without its own folder if it is not
+    /// there.
     pub(super) fn load(
         &self,
         mtl: &Path,

@@ -23,8 +23,8 @@ impl Run {
     }
 }
 
-/// The vertices of a run: for each position a list of those that are there. Corners of all four meshes of a run differ in
-/// what they leave out, so that one table serves them.
+/// The vertices of a run: for each position a list of those that are there. Corners of all four meshes of a run differ
+/// in what they leave out, so that one table serves them.
 pub(super) struct Vertices {
     /// The first of each position's list, or [`NONE`].
     first: Vec<u32>,
@@ -33,7 +33,7 @@ pub(super) struct Vertices {
 
 struct Vertex {
     corner: Corner,
-    /// Its number in its mesh.
+    /// Its index in its mesh.
     number: u32,
     /// The next of the position's list, or [`NONE`].
     next: u32,
@@ -45,7 +45,7 @@ impl Vertices {
         Self { first: vec![NONE; positions], list: Vec::new() }
     }
 
-    /// The number of the vertex at `corner`; `next` if there is none yet.
+    /// The index of the vertex at `corner`; `next` if there is none yet.
     pub(super) fn find_or_add(&mut self, corner: Corner, next: u32) -> u32 {
         let first = &mut self.first[corner[0] as usize];
         let mut at = *first;

@@ -4,8 +4,8 @@
 //! left-handed unless the camera's transform mirrors (`Scale -1 1 1`). Coordinates are right-handed here: where the
 //! transform does not mirror, the world's x is negated, so that pictures match pbrt's.
 //!
-//! `fov` is of the shorter side. A `screenwindow` may be anywhere and of any shape: it gives the lens's shift, the height
-//! of the view and the picture's aspect.
+//! `fov` is of the shorter side. A `screenwindow` may be anywhere and of any shape: it gives the lens's shift, the
+//! height of the view and the picture's aspect.
 
 use glam::{DAffine3, DVec3, Vec2};
 
@@ -25,9 +25,6 @@ pub(super) struct Camera {
     /// The camera's transform, with negated x if the world is mirrored.
     to_world: DAffine3,
 }
-
-/// Degrees, of an orthographic camera that an option makes a perspective one.
-const DEFAULT_VFOV: f32 = 40.0;
 
 impl Reader<'_> {
     /// `Camera`.
@@ -130,7 +127,7 @@ impl Reader<'_> {
         let (eye, linear) = (camera.to_world.translation, camera.to_world.matrix3);
         let [up, forward] = [linear * DVec3::Y, linear * DVec3::Z].map(|axis| axis.normalize_or_zero());
         let vfov = match camera.is_orthographic {
-            true => DEFAULT_VFOV,
+            true => CameraPose::DEFAULT_VFOV,
             false => 2.0 * (half_height * (0.5 * camera.fov).to_radians().tan()).atan().to_degrees(),
         };
         self.scene.camera = Some(CameraPose::along(eye, forward, up, vfov));

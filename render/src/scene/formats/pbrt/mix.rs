@@ -1,8 +1,8 @@
 //! The material `mix`: pbrt chooses one of two materials at random; here they become one material.
 //!
-//! Each weight of a lobe is the mean of both weights, and each other input the mean weighted by how much of its lobe the two
-//! have: so the roughness of a metal does not change when it is mixed with a matte surface. Mixes of diffuse surfaces are
-//! exact.
+//! Each weight of a lobe is the mean of both weights, and each other input the mean weighted by how much of its lobe
+//! the two have: so the roughness of a metal does not change when it is mixed with a matte surface. Mixes of diffuse
+//! surfaces are exact.
 //!
 //! Deviations: a metal and a matte surface share `base_color`, and so its mean; textures are replaced by their means.
 

@@ -56,7 +56,7 @@ struct Reader<'f> {
     is_mirrored: bool,
     file_camera: Option<camera::Camera>,
     film_size: Option<(u32, u32)>,
-    /// Materials by their numbers, and the numbers of those that have names.
+    /// Materials by their indices, and the indices of those that have names.
     materials: Vec<Definition>,
     material_names: BTreeMap<String, usize>,
     /// What meshes look like, by the number that they have for a material until all is read.

@@ -1,11 +1,11 @@
 //! From shapes to meshes of the scene: their transforms, objects, instances and materials.
 //!
-//! Names of materials and objects may be used before they are defined, so meshes get their materials when all is read: a
-//! material of the file may become several, with and without emission and holes.
+//! Names of materials and objects may be used before they are defined, so meshes get their materials when all is read:
+//! a material of the file may become several, with and without emission and holes.
 
 use std::collections::BTreeMap;
 
-use glam::{Affine3A, DAffine3, Vec3};
+use glam::{DAffine3, Vec3};
 
 use super::Reader;
 use super::lights::AreaLight;
@@ -27,7 +27,7 @@ pub(super) enum Definition {
 /// The appearance of a mesh.
 #[derive(PartialEq)]
 pub(super) struct Look {
-    /// The number of a material of the file; `None` for the default.
+    /// The index of a material of the file; `None` for the default.
     material: Option<usize>,
     emission: Vec3,
     light: Option<std::rc::Rc<AreaLight>>,
@@ -114,7 +114,7 @@ impl Reader<'_> {
         Ok(material.map_or(Definition::Interface, |material| Definition::Surface(Box::new(material))))
     }
 
-    /// The number of the material with a name.
+    /// The index of the material with a name.
     pub(super) fn named_material(&mut self, name: String, at: &At) -> usize {
         let next = self.materials.len();
         let number = *self.material_names.entry(name.clone()).or_insert(next);
@@ -173,7 +173,7 @@ impl Reader<'_> {
         for (number, object) in objects.into_iter().enumerate().filter(|(number, _)| is_shared[*number]) {
             numbers[number] = Some(self.scene.objects.len());
             let object_number = self.scene.objects.len();
-            let instance = |to_world: &DAffine3| Instance { object: object_number, to_world: single(to_world) };
+            let instance = |to_world: &DAffine3| Instance { object: object_number, to_world: to_world.as_affine3a() };
             self.scene.instances.extend(places[number].iter().map(instance));
             self.scene.objects.push(object);
         }
@@ -237,9 +237,4 @@ impl Reader<'_> {
         });
         Ok(())
     }
-}
-
-/// The transform in single precision.
-fn single(transform: &DAffine3) -> Affine3A {
-    Affine3A::from_cols_array(&transform.to_cols_array().map(|it| it as f32))
 }

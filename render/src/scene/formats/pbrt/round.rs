@@ -18,8 +18,8 @@ fn phi_max(parameters: &Parameters) -> Result<f64, SceneError> {
     Ok(f64::from(parameters.positive("phimax", 360.0)?).min(360.0).to_radians())
 }
 
-/// A profile of radius, height and normal that turns about z. Texture coordinates go around, and from 0 at its start to 1 at its
-/// end, which are given with it. Fronts are where the normals point.
+/// A profile of radius, height and normal that turns about z. Texture coordinates go around, and from 0 at its start to
+/// 1 at its end, which are given with it. Fronts are where the normals point.
 fn revolve(profile: &[(DVec2, DVec2, f64)], phi_max: f64, is_flat: bool) -> Mesh {
     let mut mesh = Mesh::default();
     for &(place, normal, v) in profile {

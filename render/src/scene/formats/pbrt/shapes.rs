@@ -1,7 +1,7 @@
 //! Shapes as meshes, in their own coordinates: triangles, patches, PLY files; round ones are in `round.rs`.
 //!
-//! Bilinear patches that are not flat become a grid of [`GRID`] by [`GRID`] quadrilaterals. As in pbrt, fronts are where
-//! corners run counter-clockwise, or where the normals point; texture coordinates are turned upside down.
+//! Bilinear patches that are not flat become a grid of [`GRID`] by [`GRID`] quadrilaterals. As in pbrt, fronts are
+//! where corners run counter-clockwise, or where the normals point; texture coordinates are turned upside down.
 
 use std::io::Read as _;
 

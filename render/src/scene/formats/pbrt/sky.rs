@@ -26,7 +26,8 @@ fn to_square(direction: DVec3) -> DVec2 {
     0.5 * (DVec2::new(u.copysign(direction.x), v.copysign(direction.y)) + 1.0)
 }
 
-/// The sky of a square picture, in the colours of `scale`. `to_light` takes directions of the world to those of the light.
+/// The sky of a square picture, in the colours of `scale`. `to_light` takes directions of the world to those of the
+/// light.
 pub(super) fn resample(square: &Texture, to_light: DMat3, scale: Vec3) -> SkyPicture {
     let (side, _) = square.size();
     let map = TextureMap {
@@ -56,8 +57,9 @@ pub(super) fn resample(square: &Texture, to_light: DMat3, scale: Vec3) -> SkyPic
     SkyPicture::new(width, height, (0..width * height).map(texel).collect())
 }
 
-/// What pbrt takes for the irradiance of a plane that faces +z of the light, by luminance: half of what it is, as it takes
-/// 2π for the solid angle of all directions. `illuminance` is divided by it, so that pictures are as bright as pbrt's.
+/// What pbrt takes for the irradiance of a plane that faces +z of the light, by luminance: half of what it is, as it
+/// takes 2π for the solid angle of all directions. `illuminance` is divided by it, so that pictures are as bright as
+/// pbrt's.
 pub(super) fn illuminance(square: &Texture) -> f64 {
     let (side, _) = square.size();
     let map = TextureMap { filter: TextureFilter::Nearest, ..TextureMap::default() };

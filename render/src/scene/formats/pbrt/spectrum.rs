@@ -29,9 +29,9 @@ pub(super) enum Spectrum {
     Named(String),
 }
 
-/// Complex refractive indices `[n, k]` in red, green and blue: those that have the metal's colour under D65 at 0° and 82°,
-/// by the spectra of pbrt and Mitsuba (refractiveindex.info and Palik, "Handbook of Optical Constants of Solids"); of brass
-/// those at 650, 550 and 450 nm (Querry 1985).
+/// Complex refractive indices `[n, k]` in red, green and blue: those that have the metal's colour under D65 at 0° and
+/// 82°, by the spectra of pbrt and Mitsuba (refractiveindex.info and Palik, "Handbook of Optical Constants of Solids");
+/// of brass those at 650, 550 and 450 nm (Querry 1985).
 const METALS: [(&str, [[f32; 3]; 2]); 7] = [
     ("Ag", [[0.1289, 0.1242, 0.1512], [4.0735, 3.3467, 2.4096]]),
     ("Al", [[1.4189, 0.9332, 0.5909], [7.7237, 6.6166, 5.3628]]),

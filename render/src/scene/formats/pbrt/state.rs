@@ -15,7 +15,7 @@ pub(super) struct State {
     /// pbrt's current transformation matrix: to the world, or before `WorldBegin` from it.
     pub(super) transform: DAffine3,
     pub(super) reverses: bool,
-    /// The number of a material; `None` for the default.
+    /// The index of a material; `None` for the default.
     pub(super) material: Option<usize>,
     pub(super) light: Option<Rc<AreaLight>>,
     /// Parameters that `Attribute` gave to all shapes, lights, ...

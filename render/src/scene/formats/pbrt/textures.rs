@@ -128,7 +128,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The number of the picture in a file; `None`, with a warning, if it cannot be read.
+    /// The index of the picture in a file; `None`, with a warning, if it cannot be read.
     pub(super) fn load_image(&mut self, name: &str, parameters: &Parameters) -> Option<usize> {
         let path = self.resolve(name, &parameters.at);
         match self.textures.load(&path) {

@@ -1,6 +1,7 @@
 //! The words of pbrt's text: bare words and numbers, strings in quotes, brackets, each with its line.
 //!
-//! A `#` outside of strings starts a comment. Strings end on their line; `\"` and `\\` stand for a quote and a backslash.
+//! A `#` outside of strings starts a comment. Strings end on their line; `\"` and `\\` stand for a quote and a
+//! backslash.
 
 use std::path::Path;
 use std::rc::Rc;

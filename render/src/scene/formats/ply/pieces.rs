@@ -11,7 +11,7 @@ use crate::scene::{Place, SceneError};
 pub(super) struct Piece<'a> {
     /// Their name.
     pub(super) name: &'a str,
-    /// The number of the first among those of its kind.
+    /// The index of the first among those of its kind.
     pub(super) first: usize,
     pub(super) count: usize,
     pub(super) bytes: &'a [u8],

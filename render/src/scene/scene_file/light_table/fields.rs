@@ -156,8 +156,8 @@ impl<'a> Table<'a> {
         if entry.name == "direction" {
             return self.unit(entry);
         }
-        let way = self.point(entry)?.as_dvec3() - self.position()?.as_dvec3();
-        match way.try_normalize() {
+        let vector = self.point(entry)?.as_dvec3() - self.position()?.as_dvec3();
+        match vector.try_normalize() {
             Some(direction) => Ok(direction.as_vec3()),
             None => self.reader.wrong(entry, "another point than the position"),
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::fields::{Kind, Table};
-use super::{LightTable, MAX_RADIUS, Source};
+use super::{LightTable, Source};
 use crate::scene::error::SceneError;
 use crate::scene::formats::ies;
 use crate::scene::formats::light_units::LUMENS_PER_WATT;
@@ -47,7 +47,7 @@ impl<'a> Table<'a> {
             position: self.position()?,
             frame: ProfileFrame::new(axis, self.number("profile_rotation", f32::MIN, f32::MAX, 0.0)?),
             intensity,
-            radius: self.number("radius", 0.0, MAX_RADIUS, 0.0)?,
+            radius: self.number("radius", 0.0, PunctualLight::MAX_RADIUS, 0.0)?,
             profile: Arc::new(profile),
         };
         Ok(LightTable { source: Source::Punctual(light), label: self.label(), file: Some(file) })

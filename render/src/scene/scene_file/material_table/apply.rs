@@ -34,7 +34,7 @@ pub(crate) fn apply(tables: &[MaterialTable], used: &[&str], path: &Path, scene:
 }
 
 impl MaterialTable {
-    /// The number of the material that is meant, which becomes that of the meshes that are named.
+    /// The index of the material that is meant, which becomes that of the meshes that are named.
     fn material(&self, used: &[&str], path: &Path, scene: &mut Scene) -> Result<usize, SceneError> {
         let error = |problem, remedy| Err(SceneError::new(path, Place::Line(self.line), problem, remedy));
         let known = scene.materials.iter().position(|material| material.name == self.name);

@@ -13,7 +13,8 @@ options! {
         /// Allowed error of records, more than 0 and at most 1; their radii are proportional to it [default: 0.3]
         #[arg(value_name = "A", allow_negative_numbers = true)]
         cache_error: f32 = value::cache_error, in "render";
-        /// Gradients by which records are extrapolated: off, rotation or both (rotation and translation) [default: both]
+        /// Gradients by which records are extrapolated: off, rotation or both (rotation and translation) [default:
+        /// both]
         #[arg(value_name = "WHICH")]
         gradients: Gradients = value::gradients, in "render";
         /// Metric of the records' radii: split-sphere, bounded (split-sphere, bounded by the gradient) or hessian

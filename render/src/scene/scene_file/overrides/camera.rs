@@ -17,7 +17,8 @@ options! {
     #[command(next_help_heading = "Camera")]
     pub struct CameraOverrides;
     options {
-        /// Kind of camera: perspective, orthographic, panorama, fisheye, cube or rays [default: the model's, or perspective]
+        /// Kind of camera: perspective, orthographic, panorama, fisheye, cube or rays [default: the model's, or
+        /// perspective]
         #[arg(id = "camera", value_name = "KIND")]
         kind: CameraKind = value::camera_kind, in "camera" "type";
         /// perspective: focal length in mm, in place of --vfov
@@ -26,12 +27,12 @@ options! {
         /// perspective: width and height of the sensor in mm, for focal length and f-number [default: 36,24]
         #[arg(value_name = "W,H", allow_hyphen_values = true)]
         sensor: Vec2 = value::sensor, in "camera";
-        /// Side of the picture that the sensor fits: auto (its width is the longer side), horizontal (its width is the width)
-        /// or vertical (its height is the height) [default: auto]
+        /// Side of the picture that the sensor fits: auto (its width is the longer side), horizontal (its width is the
+        /// width) or vertical (its height is the height) [default: auto]
         #[arg(value_name = "SIDE")]
         sensor_fit: SensorFit = value::sensor_fit, in "camera";
-        /// perspective, orthographic: shift of the lens to the right and up, in parts of the side that the sensor fits, as
-        /// Blender's Shift X and Y [default: 0,0]
+        /// perspective, orthographic: shift of the lens to the right and up, in parts of the side that the sensor fits,
+        /// as Blender's Shift X and Y [default: 0,0]
         #[arg(value_name = "X,Y", allow_hyphen_values = true)]
         shift: Vec2 = value::shift, in "camera";
         /// perspective, orthographic: diameter of the lens's aperture in mm; 0 is a pinhole [default: 0]
@@ -40,7 +41,8 @@ options! {
         /// perspective: the aperture as the focal length over its diameter
         #[arg(value_name = "N", allow_negative_numbers = true)]
         f_number: f32 = value::length, in "camera";
-        /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is given]
+        /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is
+        /// given]
         #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
         focus: f32 = value::length, in "camera";
         /// A point in the plane of focus, in place of --focus
@@ -65,8 +67,8 @@ options! {
         /// orthographic: its width, in place of the height
         #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
         ortho_width: f32 = value::length, in "camera";
-        /// panorama: distance of two eyes in mm, 64 for most people; the upper half of the picture is the left eye's [default:
-        /// one eye]
+        /// panorama: distance of two eyes in mm, 64 for most people; the upper half of the picture is the left eye's
+        /// [default: one eye]
         #[arg(value_name = "MM", allow_negative_numbers = true)]
         ipd: f32 = value::aperture, in "camera";
         /// fisheye: how distance from the middle grows with the angle: equidistant or equisolid [default: equidistant]
@@ -159,8 +161,8 @@ impl CameraKind {
 }
 
 impl CameraOverrides {
-    /// These options, and those of `fallback` where these are not set. Of two ways to say the same the fallback's does not
-    /// count, nor do its options that another kind of camera has no use for.
+    /// These options, and those of `fallback` where these are not set. Of two ways to say the same the fallback's does
+    /// not count, nor do its options that another kind of camera has no use for.
     pub(super) fn or(self, mut fallback: Self) -> Self {
         if let Some(kind) = self.kind() {
             fallback = Self { kind: None, ..fallback.only(kind.used()) };

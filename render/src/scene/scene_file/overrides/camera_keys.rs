@@ -5,8 +5,8 @@ use glam::Vec2;
 use super::CameraOverrides;
 
 impl CameraOverrides {
-    /// The options that are set, with their values as TOML, but for those that only make sense with a certain pose or model: what
-    /// is sharp, how high an orthographic picture is, what is clipped, and a file of rays.
+    /// The options that are set, with their values as TOML, but for those that only make sense with a certain pose or
+    /// model: what is sharp, how high an orthographic picture is, what is clipped, and a file of rays.
     pub(crate) fn keys(&self) -> Vec<(&'static str, String)> {
         let number = |value: Option<f32>| value.map(|value| format!("{value:?}"));
         let pair = |value: Option<Vec2>| value.map(|value| format!("[{:?}, {:?}]", value.x, value.y));

@@ -14,9 +14,9 @@ options! {
     #[command(next_help_heading = "Integrator")]
     pub struct IntegratorOverrides;
     options {
-        /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each), direct
-        /// (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), heat-lights (which
-        /// lights are chosen), normals or albedo [default: path]
+        /// Integrator: path (path tracing), cached (irradiance caching), montecarlo (a few bounces, many rays each),
+        /// direct (direct light only), ao (ambient occlusion), flat (base colours), heat (cost of path), heat-lights
+        /// (which lights are chosen), normals or albedo [default: path]
         #[arg(value_name = "NAME")]
         integrator: Integrator = value::integrator, in "render";
         /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
@@ -60,11 +60,12 @@ options! {
         /// montecarlo, ao: rays per surface [default: 16]
         #[arg(value_name = "N", allow_negative_numbers = true)]
         rays: u32 = value::count, in "render";
-        /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or stratified-uniform
-        /// [default: stratified]
+        /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or
+        /// stratified-uniform [default: stratified]
         #[arg(value_name = "HOW")]
         sampling: HemisphereSampling = value::hemisphere_sampling, in "render";
-        /// ao: value of a ray: misses (1 if it hits nothing) or hit-length (more, the farther the hit) [default: misses]
+        /// ao: value of a ray: misses (1 if it hits nothing) or hit-length (more, the farther the hit) [default:
+        /// misses]
         #[arg(value_name = "HOW")]
         ao_weighting: AoWeighting = value::ao_weighting, in "render";
         /// ao: hits farther away than this do not occlude [default: the scene's diagonal]

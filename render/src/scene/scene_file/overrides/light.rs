@@ -22,12 +22,12 @@ options! {
         /// winding: if a lamp lights the wrong side, use both.
         #[arg(id = "emission", value_name = "SIDES")]
         emits_both_sides: bool = value::emission, in "scene" "emission";
-        /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and W/m²)
-        /// [default: photometric for strong lights in files by Blender, else radiometric]
+        /// Units of the model's lights: photometric (candela and lux, divided by 683 lm/W) or radiometric (W/sr and
+        /// W/m²) [default: photometric for strong lights in files by Blender, else radiometric]
         #[arg(value_name = "UNITS")]
         light_units: LightUnits = value::light_units, in "scene" "lights";
-        /// Radius of the model's point and spot lights, in its units, for soft shadows: Blender has 0.1 and does not write
-        /// it [default: the light's extras.radius, or 0]
+        /// Radius of the model's point and spot lights, in its units, for soft shadows: Blender has 0.1 and does not
+        /// write it [default: the light's extras.radius, or 0]
         #[arg(value_name = "R", allow_negative_numbers = true)]
         light_radius: f32 = value::light_radius, in "scene";
         /// Angle that the disc of the model's directional lights subtends, in degrees: the sun's is 0.53 [default: the

@@ -12,8 +12,8 @@ options! {
     #[command(next_help_heading = "Model")]
     pub struct MomentOverrides;
     options {
-        /// Frame of the model's animations to show, also between two frames, for example 12.5: frame F is F / fps seconds after
-        /// the file's time 0, as Blender counts [default: no animation, the pose of the model's nodes]
+        /// Frame of the model's animations to show, also between two frames, for example 12.5: frame F is F / fps
+        /// seconds after the file's time 0, as Blender counts [default: no animation, the pose of the model's nodes]
         #[arg(value_name = "F", allow_negative_numbers = true)]
         frame: f64 = value::frame, in "scene";
         /// Frames per second [default: 24]

@@ -18,9 +18,9 @@ pub(super) trait Or {
     fn or(self, fallback: Self) -> Self;
 }
 
-/// Declares a group of options. In `options` each has a type, and how a text or a value of TOML is read as one; its name is that
-/// of the field, and so is its key in the section of scene files that `in` names, unless another follows. `others` are what is
-/// read in a way of its own, and groups in this group.
+/// Declares a group of options. In `options` each has a type, and how a text or a value of TOML is read as one; its
+/// name is that of the field, and so is its key in the section of scene files that `in` names, unless another follows.
+/// `others` are what is read in a way of its own, and groups in this group.
 macro_rules! options {
     (
         $(#[$meta:meta])*

@@ -8,9 +8,6 @@ use crate::scene::framing::{frame, frame_inside};
 use crate::scene::{CameraPose, Scene};
 use crate::settings::Invalid;
 
-/// Degrees; what a camera has whose vertical field of view is not given.
-const DEFAULT_VFOV: f32 = 40.0;
-
 /// The least sine of the angle between the view and the up vector: below it the up direction is undefined in 32-bit
 /// floats.
 const MIN_SIN_UP: f64 = 1e-4;
@@ -43,7 +40,7 @@ impl Overrides {
                     scene.warnings.push(format!("the model has no camera; one {what} is used ({how})"));
                 }
                 let bounds = scene.bounds().unwrap_or((Vec3::ZERO, Vec3::ZERO));
-                inside.unwrap_or_else(|| frame(bounds, up, vfov.unwrap_or(DEFAULT_VFOV), aspect))
+                inside.unwrap_or_else(|| frame(bounds, up, vfov.unwrap_or(CameraPose::DEFAULT_VFOV), aspect))
             }
         };
         let pose = CameraPose {

@@ -14,20 +14,20 @@ options! {
     #[command(next_help_heading = "Light")]
     pub struct SkyOverrides;
     options {
-        /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle is
-        /// towards -z [default: 0]
+        /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle
+        /// is towards -z [default: 0]
         #[arg(id = "sky-rotation", value_name = "DEGREES")]
         #[arg(allow_negative_numbers = true)]
         rotation: f32 = value::degrees, in "sky";
         /// Factor on the environment map or the daylight [default: 1]
         #[arg(id = "sky-scale", value_name = "S", allow_negative_numbers = true)]
         scale: f32 = value::scale, in "sky";
-        /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is +x),
-        /// and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
+        /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is
+        /// +x), and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
         #[arg(value_name = "ELEVATION,AZIMUTH[,T]")]
         daylight: Daylight = value::daylight, in "sky";
-        /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and much
-        /// haze [default: preetham]
+        /// Model of the daylight's sky: preetham, or hosek (Hosek and Wilkie 2012), which is better for a low sun and
+        /// much haze [default: preetham]
         #[arg(value_name = "NAME")]
         daylight_model: DaylightModel = value::daylight_model, in "sky";
         /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]

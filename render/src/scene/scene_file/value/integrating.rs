@@ -2,8 +2,8 @@
 
 use super::{Reading, Value, expected};
 use crate::settings::{
-    AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric, Stop,
-    Survival,
+    AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, Integrator, LightSampling, Metric,
+    PathOptions, Stop, Survival,
 };
 
 /// An integrator's name.
@@ -114,5 +114,26 @@ pub(in crate::scene) fn cache_bounces(value: &Value) -> Reading<u32> {
     match value.integer() {
         Some(bounces) if (1..=CachedOptions::MAX_BOUNCES).contains(&bounces) => Ok(bounces),
         _ => expected(format!("a whole number from 1 to {}", CachedOptions::MAX_BOUNCES)),
+    }
+}
+
+/// The greatest radiance of a sample.
+pub(in crate::scene) fn clamp(value: &Value) -> Reading<f32> {
+    match value.finite() {
+        Some(most) if most > 0.0 => Ok(most),
+        _ => expected("a number, finite and more than 0"),
+    }
+}
+
+/// Whether paths are guided, or by how many others; 0 for none.
+pub(in crate::scene) fn guide(value: &Value) -> Reading<u32> {
+    match (value, value.integer()) {
+        (Value::Boolean(true), _) => Ok(PathOptions::GUIDE_PATHS),
+        (Value::Boolean(false), _) => Ok(0),
+        (_, Some(paths @ PathOptions::MIN_GUIDE_PATHS..=PathOptions::MAX_GUIDE_PATHS)) => Ok(paths),
+        _ => {
+            let (least, most) = (PathOptions::MIN_GUIDE_PATHS, PathOptions::MAX_GUIDE_PATHS);
+            expected(format!("true, false, or a number of paths from {least} to {most}"))
+        }
     }
 }

@@ -3,8 +3,8 @@
 use super::{Reading, Value, expected};
 use crate::scene::Shutter;
 
-/// When the shutter opens and closes: two numbers of frames, or with an `s` behind of seconds; or one, the length of the
-/// time about the frame.
+/// When the shutter opens and closes: two numbers of frames, or with an `s` behind of seconds; or one, the length of
+/// the time about the frame.
 pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
     const WHAT: &str = "when the shutter opens and closes, as -0.25,0.25 in frames or 0s,0.01s in seconds, or how many frames \
                         it is open, as 0.5; it closes after it opens";
@@ -16,7 +16,9 @@ pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
         }),
     };
     match times.as_deref() {
-        Some(&[(open, in_seconds), (close, both)]) if in_seconds == both && open < close && close - open <= MOST => {
+        Some(&[(open, in_seconds), (close, both)])
+            if in_seconds == both && open < close && close - open <= MAX_TIME =>
+        {
             Ok(Shutter { open, close, in_seconds })
         }
         _ => expected(WHAT),
@@ -24,7 +26,7 @@ pub(in crate::scene) fn shutter(value: &Value) -> Reading<Shutter> {
 }
 
 /// The longest time that a shutter may be open, frames or seconds.
-const MOST: f64 = 1e6;
+const MAX_TIME: f64 = 1e6;
 
 /// A number, and whether it is of seconds.
 fn time(value: &Value) -> Option<(f64, bool)> {
@@ -32,7 +34,7 @@ fn time(value: &Value) -> Option<(f64, bool)> {
         Value::Text(text) => (text.trim().strip_suffix('s')?.trim().parse().ok()?, true),
         number => (number.double()?, false),
     };
-    (number.abs() <= MOST).then_some((number, in_seconds))
+    (number.abs() <= MAX_TIME).then_some((number, in_seconds))
 }
 
 /// The part of the time in which the shutter opens.

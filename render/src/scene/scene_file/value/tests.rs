@@ -1,6 +1,7 @@
 //! Values that both sources accept, and their errors.
 
 use super::*;
+use crate::scene::Daylight;
 
 #[test]
 fn names_may_look_like_numbers_and_lists() {

@@ -1,5 +1,6 @@
 //! Streams that meshoptimizer's own encoder (1.x, its JavaScript build) made, and its decoder's output.
 
+use super::stream::CUT;
 use super::*;
 use crate::scene::fnv;
 
@@ -74,10 +75,10 @@ fn filters() {
         ),
     ] {
         let mut data = bytes(from);
-        apply(filter, &mut data, stride).unwrap();
+        filter.apply(&mut data, stride).unwrap();
         assert_eq!(data, bytes(to), "{filter:?} {stride}");
     }
-    assert!(apply(Filter::Octahedral, &mut [0; 12], 12).is_err());
+    assert!(Filter::Octahedral.apply(&mut [0; 12], 12).is_err());
 }
 
 #[test]

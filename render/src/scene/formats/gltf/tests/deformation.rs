@@ -12,8 +12,8 @@ fn assert_near(found: &[Vec3], expected: &[[f32; 3]]) {
     }
 }
 
-/// An arm of two bones from (0, 0, 0) over (0, 2, 0) upwards, of which the upper one is turned by a quarter about z. The
-/// triangle's corners follow the lower one, both and the upper one.
+/// An arm of two bones from (0, 0, 0) over (0, 2, 0) upwards, of which the upper one is turned by a quarter about z.
+/// The triangle's corners follow the lower one, both and the upper one.
 fn arm() -> Model {
     let mut model = Model::triangle();
     let positions = model.floats("VEC3", 3, &[0.5, 0.0, 0.0, 1.0, 2.0, 0.0, 0.0, 3.0, 0.0]);

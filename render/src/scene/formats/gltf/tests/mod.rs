@@ -52,7 +52,7 @@ fn parse_with(document: Value, bytes: &[u8]) -> Result<Scene, SceneError> {
     parse_as(document, bytes, &LoadOptions::default())
 }
 
-/// The same in another way.
+/// The same by another method.
 fn parse_as(mut document: Value, bytes: &[u8], options: &LoadOptions) -> Result<Scene, SceneError> {
     use base64::Engine;
     if document["buffers"].is_null() {
@@ -74,7 +74,7 @@ impl Model {
         Self { document: triangle(), bytes: triangle_bytes() }
     }
 
-    /// Adds an accessor of `count` elements; its number.
+    /// Adds an accessor of `count` elements; gives its index.
     fn add(&mut self, bytes: Vec<u8>, component: u32, shape: &str, count: usize) -> usize {
         self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
         let view = json!({"buffer": 0, "byteOffset": self.bytes.len(), "byteLength": bytes.len()});

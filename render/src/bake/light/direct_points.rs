@@ -1,8 +1,8 @@
-//! The sample points of direct light, all over a texel, so that the edge of a shadow across it is as soft as the texel
-//! is wide.
+//! The points of a texel at which a bake samples direct light: spread over the texel, so that the edge of a shadow
+//! across it is as soft as the texel is wide.
 //!
-//! Points on other triangles than the texel's own are left out, and points occluded from the texel's own point: a floor
-//! continues under a crate, where it is dark.
+//! Points on other triangles than the texel's own are left out, and so are points occluded from the texel's own point:
+//! a floor continues under a crate, where it is dark.
 
 use halfdome_kernel::Ray;
 
@@ -12,7 +12,8 @@ use crate::world::{Surface, World};
 /// Points across and down a texel.
 const SIDE: u32 = 4;
 
-/// The points of a texel, its own alone if nothing else will do; and the number of rays that it took.
+/// The points of a texel at which direct light is sampled, its own alone if no other is usable; and the number of rays
+/// that were traced to test them.
 pub(super) fn direct_points<'w>(world: &'w World, surfaces: &Surfaces, texel: &Texel) -> (Vec<Surface<'w>>, u64) {
     let own = world.receiver(texel.point.prim_id, texel.point.barycentric);
     if texel.is_moved {
@@ -22,11 +23,8 @@ pub(super) fn direct_points<'w>(world: &'w World, surfaces: &Surfaces, texel: &T
     let mut found: Vec<Surface> =
         points.into_iter().map(|point| world.receiver(point.prim_id, point.barycentric)).collect();
     let start = own.origin_towards(own.normal);
-    let way = |point: &Surface| {
-        let way = point.origin_towards(point.normal) - start;
-        Ray { t_max: 1.0, ..Ray::new(start, way) }
-    };
-    let rays: Vec<Ray> = found.iter().map(way).collect();
+    let to_point = |point: &Surface| Ray::between(start, point.origin_towards(point.normal));
+    let rays: Vec<Ray> = found.iter().map(to_point).collect();
     let mut occluded = vec![false; rays.len()];
     world.occluded_many(&rays, &mut occluded);
     let mut is_hidden = occluded.into_iter();
