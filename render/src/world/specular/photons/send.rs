@@ -240,7 +240,7 @@ impl Flight {
         photon.irradiance = transmittance.max_element() * (sent_by * sent_by / area);
         // By that of the light without faces at the same distance.
         let strength = photon.irradiance * if self.is_distant { 1.0 } else { (self.length + hit.t).powi(2) };
-        if reflected.is_some() && !(strength >= MIN_STRENGTH) {
+        if reflected.is_some() && (strength.is_nan() || strength < MIN_STRENGTH) {
             return None;
         }
         let slant = direction.dot(normal).abs().max(MIN_SLANT);
