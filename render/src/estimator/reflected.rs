@@ -9,7 +9,7 @@
 //!
 //! where `s` is a start's strength, and what they find is divided by `q`. The strongest come first, so that a connection
 //! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
-//! chosen by what it brings.
+//! chosen by what it brings. Of many lights, eight are looked for.
 //!
 //! A light with a size is a disc that faces the photon's direction, of which one point is sampled.
 
@@ -21,7 +21,7 @@ use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
 use super::punctual::{in_cap, intensity};
 use crate::light::Light;
 use crate::scene::PunctualLight;
-use crate::world::{LightEnd, SpecularConnection, Start, Surface, World};
+use crate::world::{LightEnd, ReflectedStarts, SpecularConnection, Start, Surface, World};
 
 /// The strength from which on a start is always searched.
 const ALWAYS: f32 = 0.5;
@@ -53,7 +53,8 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
     let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
     let mut found: [Option<(u32, SpecularConnection)>; MAX_CONNECTIONS] = Default::default();
     let (mut count, mut total, mut chosen) = (0, 0.0, None);
-    for (index, starts) in world.reflected_starts(surface.position, roulette * always) {
+    for reflected in world.reflected_starts(surface.position, roulette, always) {
+        let ReflectedStarts { light: index, inv_probability, starts } = reflected;
         let Light::Punctual(light) = &world.lights.lights()[index as usize] else { continue };
         let moved = world.motion().and_then(|_| world.moved_light(index, light, surface.time));
         let light = moved.as_ref().unwrap_or(light);
@@ -77,7 +78,8 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
                 continue;
             }
             let SpecularConnection { direction, rest, leaving, transmittance, spread, .. } = connection;
-            let received = transmittance * intensity(light, leaving) * (spread_of_size * spread / probability);
+            let received =
+                transmittance * intensity(light, leaving) * (spread_of_size * spread * inv_probability / probability);
             let brought = received.element_sum() * surface.shading_normal.dot(direction).abs();
             if brought > 0.0 {
                 total += brought;

@@ -27,9 +27,10 @@ use crate::material::Inputs;
 use crate::material::fresnel::Dielectric;
 use crate::material::ggx::Ggx;
 use crate::scene::Material;
-pub(crate) use manifold::{LightEnd, SpecularConnection};
+pub(crate) use chain::LightEnd;
+pub(crate) use manifold::SpecularConnection;
 use photons::Photons;
-pub(crate) use photons::Start;
+pub(crate) use photons::{ReflectedStarts, Start};
 
 /// The most faces that a connection to a light may have.
 const MAX_FACES: usize = 16;

@@ -149,6 +149,16 @@ fn a_ball_throws_a_ring_of_sunlight() {
 }
 
 #[test]
+fn of_many_lights_a_few_keep_the_mean() {
+    let lamps: Vec<Vec3> = (0..37).map(|i| vec3(0.02 * i as f32, 0.01 * i as f32, 1.5)).collect();
+    let one = |lamp: &Vec3| irradiance(&world(dark(), vec![point(*lamp, 0.0)], vec![wall(1)]), Vec2::ZERO, ALL).0;
+    let expected: f64 = lamps.iter().map(one).sum();
+    let all = lamps.iter().map(|lamp| point(*lamp, 0.0)).collect();
+    let found = irradiance(&world(dark(), all, vec![wall(1)]), Vec2::ZERO, (1e6, 16_384)).0;
+    assert!((found / expected - 1.0).abs() < 0.02, "{found}, not {expected}");
+}
+
+#[test]
 fn roulette_keeps_the_mean() {
     let walls = world(dark(), vec![point(vec3(0.5, 0.3, 1.5), 0.0)], vec![wall(3)]);
     let ball = fixtures::ball([96, 192]);

@@ -14,7 +14,6 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 
 use super::super::{Surface, World};
-use super::manifold::LightEnd;
 use super::{Face, MAX_FACES};
 
 /// The most solids inside each other of which absorption is known.
@@ -22,6 +21,15 @@ const MAX_NESTED: usize = 4;
 
 /// The index of the face that reflects the ray of a chain, counted from the surface; `None` if all faces transmit it.
 pub(super) type Reflection = Option<u8>;
+
+/// The light's end of a connection.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum LightEnd {
+    /// A light at infinity: the unit vector towards it.
+    Direction(Vec3),
+    /// From a point.
+    Point(Vec3),
+}
 
 /// A ray with its differentials by a change of its first direction along each of two axes.
 #[derive(Clone, Copy)]

@@ -24,7 +24,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 
 use super::super::{Surface, World};
-use super::chain::{ChainEnd, Reflection, refract};
+use super::chain::{ChainEnd, LightEnd, Reflection, refract};
 
 /// When a search gives up.
 #[derive(Clone, Copy)]
@@ -50,15 +50,6 @@ const MAX_STEP: f32 = 0.4;
 const MAX_CONNECTIONS: usize = 8;
 /// Connections whose directions differ by less are the same.
 const MIN_SEPARATION: f32 = 1e-3;
-
-/// The light's end of a connection.
-#[derive(Clone, Copy, Debug)]
-pub(crate) enum LightEnd {
-    /// A light at infinity: the unit vector towards it.
-    Direction(Vec3),
-    /// From a point.
-    Point(Vec3),
-}
 
 /// A chain by which light arrives at a surface.
 pub(crate) struct SpecularConnection {

@@ -21,7 +21,7 @@ mod send;
 
 use glam::{IVec3, Mat2, Vec2, Vec3};
 use halfdome_kernel::geometry::Aabb;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use super::chain::Reflection;
@@ -38,6 +38,8 @@ const MIN_CELL_IN_DISTANCES: f32 = 1e-6;
 /// The allowed distance of a point from a footprint's plane, relative to its length: where it folds, the second
 /// derivative matters.
 const FOLD: f32 = 0.25;
+/// The most lights that are searched for in mirrors from a point.
+const MAX_LIGHTS: usize = 8;
 /// The most photons of a cell, ...
 const MAX_OF_CELL: usize = 48;
 /// ... and the most starts for a point.
@@ -46,8 +48,8 @@ const MAX_STARTS: usize = 32;
 /// A map of light of points, spots and suns.
 #[derive(Debug, Default)]
 pub(super) struct Photons {
-    /// Photons by the index of the light, of those that have any.
-    lights: BTreeMap<u32, LightPhotons>,
+    /// The lights that have any, in order of their indices.
+    lights: Vec<(u32, LightPhotons)>,
 }
 
 /// Photons of one light, and the cells around where they arrive.
@@ -119,6 +121,15 @@ pub(crate) struct Starts {
     count: usize,
 }
 
+/// The starts for a point of searches for a light that is reflected there.
+pub(crate) struct ReflectedStarts {
+    /// The index of the light.
+    pub light: u32,
+    /// The reciprocal of the probability of choosing it.
+    pub inv_probability: f32,
+    pub starts: Starts,
+}
+
 /// A photon that has arrived.
 #[derive(Clone, Copy, Debug)]
 struct Arrival {
@@ -176,21 +187,39 @@ impl Photons {
 
     /// The starts for a point of searches for the light of this index.
     pub(super) fn starts(&self, light: u32, point: Vec3) -> Starts {
-        self.lights.get(&light).map_or(Starts::NONE, |light| light.merged_starts(point, 0.0))
+        let found = self.lights.binary_search_by_key(&light, |(index, _)| *index);
+        found.map_or(Starts::NONE, |place| self.lights[place].1.merged_starts(point, 0.0))
     }
 }
 
 impl World {
-    /// The lights whose reflections may arrive at a point, by index, and the starts of the searches for them that have at
-    /// least this strength, the strongest first.
-    pub(crate) fn reflected_starts(&self, point: Vec3, strength: f32) -> impl Iterator<Item = (u32, Starts)> {
-        let lights = self.specular.reflected.lights.iter().filter(move |(_, photons)| photons.may_reach(point));
-        lights.map(move |(&index, photons)| {
-            let distance_squared = match &self.lights.lights()[index as usize] {
-                Light::Punctual(light) => light.place().map_or(1.0, |(position, ..)| position.distance_squared(point)),
-                _ => 1.0,
+    /// Lights whose reflections may arrive at a point, with the starts of the searches for them, the strongest first; of many
+    /// lights a few, evenly spread by `roulette` in [0, 1). Starts weaker than a part of `always`, which is `roulette` or
+    /// its remainder, are left out.
+    pub(crate) fn reflected_starts(
+        &self,
+        point: Vec3,
+        roulette: f32,
+        always: f32,
+    ) -> impl Iterator<Item = ReflectedStarts> {
+        let lights = &self.specular.reflected.lights;
+        let stride = (lights.len() as f32 / MAX_LIGHTS as f32).max(1.0);
+        (0..lights.len().min(MAX_LIGHTS)).filter_map(move |slot| {
+            let (place, rest) = if stride == 1.0 {
+                (slot, roulette)
+            } else {
+                let place = (slot as f32 + roulette) * stride;
+                ((place as usize).min(lights.len() - 1), place.fract())
             };
-            (index, photons.merged_starts(point, strength / distance_squared).strongest_first(distance_squared))
+            let (light, photons) = &lights[place];
+            let Light::Punctual(punctual) = &self.lights.lights()[*light as usize] else { return None };
+            if !photons.may_reach(point) {
+                return None;
+            }
+            let distance_squared = punctual.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
+            let starts = photons.merged_starts(point, rest * always / distance_squared);
+            let starts = starts.strongest_first(distance_squared);
+            Some(ReflectedStarts { light: *light, inv_probability: stride, starts })
         })
     }
 }

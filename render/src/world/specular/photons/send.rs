@@ -80,7 +80,7 @@ impl World {
                 [(&mut self.specular.refracted, refracted), (&mut self.specular.reflected, reflected)]
             {
                 if photons.bounds.is_some() {
-                    map.lights.insert(index, photons);
+                    map.lights.push((index, photons));
                 }
             }
         }
