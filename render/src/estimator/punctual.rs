@@ -51,11 +51,7 @@ pub(super) fn sample_punctual(
     u: Vec2,
 ) -> Option<PunctualSample> {
     let (end, per_intensity) = match *light {
-        PunctualLight::Directional { direction, half_angle, .. } => {
-            let (sin, cos) = half_angle.sin_cos();
-            let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
-            (LightEnd::Direction(to_light), 2.0 / (1.0 + cos))
-        }
+        PunctualLight::Directional { direction, half_angle, .. } => direction_of_sun(direction, half_angle, u),
         PunctualLight::Point { position, radius, .. }
         | PunctualLight::Spot { position, radius, .. }
         | PunctualLight::Profiled { position, radius, .. } => {
@@ -201,8 +197,15 @@ fn crossing(center: Vec3, radius: f32, direction: Vec3, side: f32) -> f32 {
     along + side * (radius * radius - across).max(0.0).sqrt()
 }
 
+/// A direction to a sun that shines along `direction`, and its radiance over density for an irradiance of one.
+pub(super) fn direction_of_sun(direction: Vec3, half_angle: f32, u: Vec2) -> (LightEnd, f32) {
+    let (sin, cos) = half_angle.sin_cos();
+    let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
+    (LightEnd::Direction(to_light), 2.0 / (1.0 + cos))
+}
+
 /// A unit vector in the cap about `axis` whose rim has this sine and cosine, evenly by solid angle.
-pub(super) fn in_cap(axis: Vec3, sin: f32, cos: f32, u: Vec2) -> Vec3 {
+fn in_cap(axis: Vec3, sin: f32, cos: f32, u: Vec2) -> Vec3 {
     // 1 - cos θ, without the rounding of a cosine near 1.
     let depth = u.x * (sin * sin / (1.0 + cos));
     let out = (depth * (2.0 - depth)).max(0.0).sqrt();

@@ -9,7 +9,7 @@
 //!
 //! where `s` is a start's strength, and what they find is divided by `q`. The strongest come first, so that a connection
 //! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
-//! chosen by what it brings. Of many lights, eight are looked for.
+//! chosen by what it brings. Of many lights, four are looked for.
 //!
 //! A light with a size is a disc that faces the photon's direction, of which one point is sampled.
 
@@ -18,7 +18,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
 
-use super::punctual::{in_cap, intensity};
+use super::punctual::{direction_of_sun, intensity};
 use crate::light::Light;
 use crate::scene::PunctualLight;
 use crate::world::{LightEnd, ReflectedStarts, SpecularConnection, Start, Surface, World};
@@ -105,9 +105,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
 /// choice, for an intensity or irradiance of one.
 fn light_end(light: &PunctualLight, start: &Start, u: Vec2) -> (LightEnd, f32) {
     if let PunctualLight::Directional { direction, half_angle, .. } = *light {
-        let (sin, cos) = half_angle.sin_cos();
-        let to_light = if half_angle > 0.0 { in_cap(-direction, sin, cos, u) } else { -direction };
-        return (LightEnd::Direction(to_light), 2.0 / (1.0 + cos));
+        return direction_of_sun(direction, half_angle, u);
     }
     let (position, _, radius) = light.place().unwrap_or_default();
     let across = Frame::from_normal(start.sent.normalize_or_zero()).to_world(PolarDisc.map(u).extend(0.0));

@@ -39,7 +39,7 @@ const MIN_CELL_IN_DISTANCES: f32 = 1e-6;
 /// derivative matters.
 const FOLD: f32 = 0.25;
 /// The most lights that are searched for in mirrors from a point.
-const MAX_LIGHTS: usize = 8;
+const MAX_LIGHTS: usize = 4;
 /// The most photons of a cell, ...
 const MAX_OF_CELL: usize = 48;
 /// ... and the most starts for a point.
