@@ -168,12 +168,14 @@ impl Task for Steps<'_, '_> {
             step.advance(ends[1]..ends[2], transmissive, block, shadows, bounces);
             step.advance(ends[2]..ends[3], layered, block, shadows, bounces);
         }
+        // What blocks add behind all others, so that the order of a sample's contributions does not depend on blocks.
+        let first_deferred = step.wave.shadow_queue.queue_deferred();
         step.wave.keep_next(step.kept);
         if let Some(recorder) = step.recorder {
-            recorder.keep_next();
+            recorder.keep_next(first_deferred);
         }
         if let Some(trainer) = step.trainer {
-            trainer.keep_next();
+            trainer.keep_next(first_deferred);
         }
     }
 }

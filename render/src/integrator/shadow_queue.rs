@@ -17,6 +17,8 @@ pub(crate) struct ShadowQueue {
     pending: Vec<PendingLight>,
     occluded: Vec<bool>,
     times: Vec<f32>,
+    /// Those that wait for the end of a step.
+    deferred: Vec<(Ray, PendingLight)>,
 }
 
 /// The contribution, and its camera ray.
@@ -35,6 +37,23 @@ impl ShadowQueue {
         self.shadows[self.len] = shadow_ray.ray;
         self.pending[self.len] = PendingLight { index, light: throughput * shadow_ray.radiance };
         self.len += 1;
+    }
+
+    /// Queues a shadow ray behind all others of a step; gives its place among those.
+    pub(super) fn defer(&mut self, index: u32, ray: Ray, light: Vec3) -> usize {
+        self.deferred.push((ray, PendingLight { index, light }));
+        self.deferred.len() - 1
+    }
+
+    /// Queues the deferred rays; gives the number of the first.
+    pub(super) fn queue_deferred(&mut self) -> usize {
+        let first = self.len;
+        self.make_room(self.deferred.len());
+        for (ray, pending) in self.deferred.drain(..) {
+            (self.shadows[self.len], self.pending[self.len]) = (ray, pending);
+            self.len += 1;
+        }
+        first
     }
 
     /// Lets the light of the first `count` shadow rays of a block wait, of those that have any.

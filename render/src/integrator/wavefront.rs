@@ -101,6 +101,9 @@ pub(crate) struct Wavefront {
     /// The continuing paths, while the others are still needed, and their rays.
     next_paths: Vec<Path>,
     next_rays: Vec<Ray>,
+    /// The paths that were aimed at secondary lights in this step, which continue behind the others, and their media.
+    pub(super) aimed: Vec<(Ray, Path)>,
+    pub(super) aimed_media: Vec<Media>,
     /// The addresses of all camera rays, by index.
     pub(super) addresses: Vec<SampleId>,
     /// The addresses of the paths, where numbers are drawn for all at once.
@@ -309,8 +312,17 @@ impl Wavefront {
         (&mut self.next_rays[kept..], &mut self.next_paths[kept..])
     }
 
-    /// Replaces all paths by the first continuing ones.
+    /// Replaces all paths by the first continuing ones, and those that were aimed.
     pub(super) fn keep_next(&mut self, count: usize) {
+        let mut aimed = std::mem::take(&mut self.aimed);
+        let (rays, paths) = self.next_places(count, aimed.len());
+        for ((ray, path), aimed) in rays.iter_mut().zip(paths).zip(&aimed) {
+            (*ray, *path) = *aimed;
+        }
+        let count = count + aimed.len();
+        aimed.clear();
+        self.aimed = aimed;
+        self.next_media.append(&mut self.aimed_media);
         std::mem::swap(&mut self.rays, &mut self.next_rays);
         std::mem::swap(&mut self.paths, &mut self.next_paths);
         std::mem::swap(&mut self.media, &mut self.next_media);

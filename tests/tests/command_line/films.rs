@@ -63,6 +63,58 @@ fn any_split_gives_the_same_bytes() {
     }
 }
 
+/// A room with a bulb in an open tube, another lamp, a panel and a mirror: several paths begin at a surface.
+fn room_with_a_shade(desk: &Desk) {
+    let (mut room, mut corners) = (String::from("mtllib room.mtl\n"), 0);
+    let mut quad = |material: &str, points: [[f64; 3]; 4]| {
+        room += &format!("usemtl {material}\n");
+        points.iter().for_each(|[x, y, z]| room += &format!("v {x} {y} {z}\n"));
+        room += &format!("f {} {} {} {}\n", corners + 1, corners + 2, corners + 3, corners + 4);
+        corners += 4;
+    };
+    quad("wall", [[0.0, 0.0, 0.0], [0.0, 0.0, 4.0], [4.0, 0.0, 4.0], [4.0, 0.0, 0.0]]);
+    quad("gloss", [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 3.0, 0.0], [0.0, 3.0, 0.0]]);
+    quad("wall", [[0.0, 0.0, 0.0], [0.0, 3.0, 0.0], [0.0, 3.0, 4.0], [0.0, 0.0, 4.0]]);
+    quad("mirror", [[4.0, 0.0, 0.0], [4.0, 0.0, 4.0], [4.0, 3.0, 4.0], [4.0, 3.0, 0.0]]);
+    quad("panel", [[1.0, 2.9, 1.0], [1.5, 2.9, 1.0], [1.5, 2.9, 1.5], [1.0, 2.9, 1.5]]);
+    for i in 0..12 {
+        let [(a, b), (c, d)] = [i, i + 1].map(|k| (f64::from(k) * std::f64::consts::TAU / 12.0).sin_cos());
+        let at = |sin: f64, cos: f64, y: f64| [2.0 + 0.12 * cos, y, 2.0 + 0.12 * sin];
+        quad("shade", [at(a, b, 1.1), at(a, b, 1.3), at(c, d, 1.3), at(c, d, 1.1)]);
+    }
+    let program = desk.program();
+    program.put("room.obj", room);
+    program.put(
+        "room.mtl",
+        "newmtl wall\nKd 0.7 0.7 0.7\nnewmtl gloss\nKd 0.6 0.5 0.4\nPr 0.3\nnewmtl mirror\nKd 0.9 0.9 0.9\nPm 1\nPr 0\n\
+         newmtl panel\nKd 0 0 0\nKe 4 4 4\nnewmtl shade\nKd 0.8 0.8 0.8\n",
+    );
+    program.put(
+        "room.toml",
+        "scene.file = \"room.obj\"\nlight = [\n\
+         { type = \"sphere\", name = \"bulb\", position = [2, 1.2, 2], radius = 0.01, power = 20 },\n\
+         { type = \"point\", position = [3.5, 2.5, 0.5], power = 5 },\n]\n",
+    );
+}
+
+/// Contributions to a sample are added in an order that does not depend on the samples beside it.
+#[test]
+fn paths_that_sample_secondary_lights_are_split_into_the_same_bytes() {
+    for options in ["--lpe glossy=C<.G>.* --light-groups", "--guide=4096 --clamp-indirect 2"] {
+        let desk = Desk::new();
+        room_with_a_shade(&desk);
+        let view = "room.toml --eye 2,1.6,3.9 --target 2,1,0";
+        let scene = format!("render {view} --size 48x36 --progress none {options}");
+        desk.ends(0, &format!("{scene} --spp 13 -o whole.exr"));
+        desk.ends(0, &format!("{scene} --spp 3 -o first.hdf"));
+        desk.ends(0, &format!("{scene} --spp 13 --first-sample 3 -o second.hdf"));
+        desk.ends(0, "merge first.hdf second.hdf -o merged.exr");
+        assert!(desk.bytes("merged.exr") == desk.bytes("whole.exr"), "{options}");
+        desk.ends(0, &format!("{scene} --spp 13 --resume -o first.exr -o first.hdf"));
+        assert!(desk.bytes("first.exr") == desk.bytes("whole.exr"), "{options}");
+    }
+}
+
 /// Each tile judges itself, so that it does not matter who renders it.
 #[test]
 fn adaptive_pictures_are_the_same_bytes_however_they_are_split() {

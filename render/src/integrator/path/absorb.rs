@@ -46,7 +46,7 @@ impl Advance<'_, '_> {
     pub(super) fn keep_media_of_aimed(&mut self, block: &PathBlock, i: usize, direction: Vec3) {
         if self.is_absorbed() {
             let media = self.arrival(block, i).onwards(direction);
-            self.wave.next_media.push(media);
+            self.wave.aimed_media.push(media);
         }
     }
 

@@ -20,7 +20,7 @@ impl Advance<'_, '_> {
         self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis && ends_by_chance
     }
 
-    /// Samples secondary lights from the block's surfaces, and appends such paths to the continuing ones.
+    /// Samples secondary lights from the block's surfaces. Such paths continue behind all others.
     #[inline(always)]
     pub(super) fn aim<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock) {
         let mut chances = [0.0; LANES];
@@ -48,13 +48,11 @@ impl Advance<'_, '_> {
                 let (normal, target) = (block.packed_normal(i), aimed.prim_id + 1);
                 let index = index as u32;
                 let path = Path { index, throughput, density: f32::INFINITY, sky_density: 0.0, normal, target };
-                let (rays, paths) = self.wave.next_places(self.kept, 1);
-                (rays[0], paths[0]) = (aimed.ray, path);
-                self.kept += 1;
+                self.wave.aimed.push((aimed.ray, path));
                 self.learn_aimed(block, i);
                 self.keep_media_of_aimed(block, i, aimed.ray.direction);
                 if self.recorder.is_some() {
-                    self.record_onwards(closures, block, i, (aimed.ray.direction, false, 3));
+                    self.record_aimed(closures, block, i, aimed.ray.direction);
                 }
             }
         }

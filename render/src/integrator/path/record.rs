@@ -16,7 +16,11 @@ pub(crate) struct RecorderMemory {
     states: Vec<[u32; 3]>,
     /// The states of the continuing paths.
     next: Vec<[u32; 3]>,
+    /// Those of the aimed paths.
+    aimed: Vec<[u32; 3]>,
     waiting: Vec<Waiting>,
+    /// Those whose shadow rays are deferred.
+    deferred: Vec<Waiting>,
 }
 
 /// A part of a light sample that waits for its shadow ray.
@@ -54,7 +58,9 @@ impl<'a> Recorder<'a> {
         memory.states.clear();
         memory.states.resize(count, paths.start());
         memory.next.clear();
+        memory.aimed.clear();
         memory.waiting.clear();
+        memory.deferred.clear();
         aovs.fill(Vec3::ZERO);
         Self { paths, memory, aovs }
     }
@@ -64,10 +70,14 @@ impl<'a> Recorder<'a> {
         self.paths.add(states, light, &mut self.aovs[index * count..][..count]);
     }
 
-    /// Replaces all paths by the continuing ones.
-    pub(super) fn keep_next(&mut self) {
-        std::mem::swap(&mut self.memory.states, &mut self.memory.next);
-        self.memory.next.clear();
+    /// Replaces all paths by the continuing ones, and lets deferred light samples wait, whose first shadow ray has this
+    /// number.
+    pub(super) fn keep_next(&mut self, first_deferred: usize) {
+        let RecorderMemory { states, next, aimed, waiting, deferred } = &mut *self.memory;
+        next.append(aimed);
+        std::mem::swap(states, next);
+        next.clear();
+        waiting.extend(deferred.drain(..).map(|w| Waiting { shadow_ray: first_deferred + w.shadow_ray, ..w }));
     }
 
     /// Adds the light samples whose shadow rays are free.
@@ -81,17 +91,19 @@ impl<'a> Recorder<'a> {
         self.memory.waiting = waiting;
     }
 
-    /// Lets the parts of a light sample wait.
-    fn wait(&mut self, shadow_ray: usize, index: usize, before: [u32; 3], event: u32, light: (Vec3, &Lobes)) {
-        let (light, lobes) = light;
-        let glossy = light * lobes.glossy;
-        for (lobe, light) in [(Lobe::Wide, light - glossy), (Lobe::Glossy, glossy)] {
-            if light != Vec3::ZERO {
-                let scattered = self.paths.after(before, self.paths.surface(lobes.mesh, lobes.transmits, lobe));
-                let states = self.paths.after(scattered, event);
-                self.memory.waiting.push(Waiting { shadow_ray, index, states, light });
-            }
-        }
+    /// The parts of a light sample, each of which waits for the shadow ray.
+    fn parts(
+        &self,
+        (shadow_ray, index): (usize, usize),
+        (before, event): ([u32; 3], u32),
+        (light, lobes): (Vec3, &Lobes),
+    ) -> impl Iterator<Item = Waiting> + use<'a> {
+        let (glossy, paths, mesh, transmits) = (light * lobes.glossy, self.paths, lobes.mesh, lobes.transmits);
+        let parts = [(Lobe::Wide, light - glossy), (Lobe::Glossy, glossy)];
+        parts.into_iter().filter(|(_, light)| *light != Vec3::ZERO).map(move |(lobe, light)| {
+            let scattered = paths.after(before, paths.surface(mesh, transmits, lobe));
+            Waiting { shadow_ray, index, states: paths.after(scattered, event), light }
+        })
     }
 
     /// The states of a continuing path, by a number in [0, 1) that chooses its lobe.
@@ -145,23 +157,36 @@ impl Advance<'_, '_> {
         let lit = (0..block.len).filter(|&i| shadows.is_lit(i));
         for (shadow_ray, i) in (self.wave.shadow_queue.len()..).zip(lit) {
             let found = (shadow_ray, block.light(i), shadows.direction(i), shadows.light(i));
-            self.record_light_sample(closures, block, i, found);
+            self.record_light_sample(closures, block, i, found, |memory| &mut memory.waiting);
         }
     }
 
+    /// Records a light sample of path `i` whose shadow ray is deferred, with its place among those.
+    pub(super) fn record_deferred<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        found: (usize, u32, Vec3, Vec3),
+    ) {
+        self.record_light_sample(closures, block, i, found, |memory| &mut memory.deferred);
+    }
+
     /// Records a light sample of path `i`: the number of its shadow ray, its light's number, its direction, its light.
-    pub(super) fn record_light_sample<C: BlockClosures>(
+    fn record_light_sample<C: BlockClosures>(
         &mut self,
         closures: &C,
         block: &PathBlock,
         i: usize,
         (shadow_ray, number, direction, light): (usize, u32, Vec3, Vec3),
+        list: impl Fn(&mut RecorderMemory) -> &mut Vec<Waiting>,
     ) {
         let lobes = self.lobes(closures, block, i, direction);
         if let Some(recorder) = &mut self.recorder {
             let event = recorder.paths.light(self.world, number);
             let before = recorder.memory.states[block.source[i] as usize];
-            recorder.wait(shadow_ray, block.index(i), before, event, (light, &lobes));
+            let parts = recorder.parts((shadow_ray, block.index(i)), (before, event), (light, &lobes));
+            list(recorder.memory).extend(parts);
         }
     }
 
@@ -170,27 +195,39 @@ impl Advance<'_, '_> {
     pub(super) fn record_bounces<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, bounces: &Bounces) {
         for i in (0..block.len).filter(|&i| bounces.goes_on[i] != 0) {
             let is_delta = bounces.density(i) == f32::INFINITY;
-            self.record_onwards(closures, block, i, (bounces.direction(i), is_delta, 2));
+            let states = self.states_onwards(closures, block, i, (bounces.direction(i), is_delta, 2));
+            self.recorder.iter_mut().for_each(|recorder| recorder.memory.next.push(states));
         }
     }
 
-    /// Records that path `i` continues in a direction, by a delta function or not; its lobe is chosen by an unused
-    /// number of the path's set for the bounce.
-    pub(super) fn record_onwards<C: BlockClosures>(
+    /// Records that path `i` continues as one that is aimed in a direction.
+    pub(super) fn record_aimed<C: BlockClosures>(
         &mut self,
         closures: &C,
         block: &PathBlock,
         i: usize,
-        (direction, is_delta, place): (Vec3, bool, usize),
+        direction: Vec3,
     ) {
+        let states = self.states_onwards(closures, block, i, (direction, false, 3));
+        self.recorder.iter_mut().for_each(|recorder| recorder.memory.aimed.push(states));
+    }
+
+    /// The states of path `i` if it continues in a direction, by a delta function or not; its lobe is chosen by an unused
+    /// number of the path's set for the bounce.
+    fn states_onwards<C: BlockClosures>(
+        &self,
+        closures: &C,
+        block: &PathBlock,
+        i: usize,
+        (direction, is_delta, place): (Vec3, bool, usize),
+    ) -> [u32; 3] {
         let lobes = self.lobes(closures, block, i, direction);
         let sampler = &self.batch.samplers[block.index(i)];
         let u = sampler.uniform4(first_set(self.batch, self.depth) + 2)[place];
-        if let Some(recorder) = &mut self.recorder {
+        self.recorder.as_ref().map_or([0; 3], |recorder| {
             let before = recorder.memory.states[block.source[i] as usize];
-            let after = recorder.onwards(before, &lobes, is_delta, u);
-            recorder.memory.next.push(after);
-        }
+            recorder.onwards(before, &lobes, is_delta, u)
+        })
     }
 
     /// The lobes of path `i`'s closure for a direction.

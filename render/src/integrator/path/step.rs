@@ -193,16 +193,14 @@ impl Advance<'_, '_> {
         if !block.choose_lights(self.world, SKY) {
             return;
         }
-        if block.has_other_lights() {
-            for i in 0..block.len {
+        if block.has_other_lights() || self.world.has_reflected_light() {
+            for i in (0..block.len).filter(|&i| block.is_going_on(i)) {
                 if let Some(light) = block.other_light(i) {
                     self.sample_other_light(closures, block, i, &light);
                 }
-            }
-        }
-        if self.world.has_reflected_light() {
-            for i in (0..block.len).filter(|&i| block.is_going_on(i)) {
-                self.sample_reflected_light(closures, block, i);
+                if self.world.has_reflected_light() {
+                    self.sample_reflected_light(closures, block, i);
+                }
             }
         }
         block.sample_lights(closures, self.options.lights, &WHITE, shadows);
@@ -261,7 +259,7 @@ impl Advance<'_, '_> {
         self.connect(closures, block, i, (sample.light, shadow_ray));
     }
 
-    /// Queues the shadow ray of a light's sample for path `i`, with what the closure there reflects.
+    /// Defers the shadow ray of a light's sample for path `i`, with what the closure there reflects.
     fn connect<C: BlockClosures>(
         &mut self,
         closures: &C,
@@ -278,12 +276,11 @@ impl Advance<'_, '_> {
         }
         let found = block.throughput(i) * radiance;
         let radiance = self.clamp_at_surface().map_or(found, |most| clamp(found, most));
+        let shadow_ray = self.wave.shadow_queue.defer(block.index(i) as u32, ray, radiance);
         if self.recorder.is_some() {
-            let found = (self.wave.shadow_queue.len(), light, direction, radiance);
-            self.record_light_sample(closures, block, i, found);
+            self.record_deferred(closures, block, i, (shadow_ray, light, direction, radiance));
         }
-        self.learn_light_sample(block, i, self.wave.shadow_queue.len(), radiance);
-        self.wave.shadow_queue.push(block.index(i) as u32, Vec3::ONE, ShadowRay { ray, direction, radiance });
+        self.learn_deferred(block, i, shadow_ray, radiance);
     }
 
     /// The density with which path `i` continues in a direction, given its closure's density.

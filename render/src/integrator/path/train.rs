@@ -21,7 +21,11 @@ pub(in crate::integrator) struct Trainer {
     last: Vec<u32>,
     /// The last bounces of the continuing paths.
     next: Vec<u32>,
+    /// Those of the aimed paths.
+    aimed: Vec<u32>,
     waiting: Vec<Waiting>,
+    /// Those whose shadow rays are deferred.
+    deferred: Vec<Waiting>,
 }
 
 /// A bounce.
@@ -47,7 +51,9 @@ impl Trainer {
         self.last.clear();
         self.last.resize(count, NONE);
         self.next.clear();
+        self.aimed.clear();
         self.waiting.clear();
+        self.deferred.clear();
     }
 
     /// The bounces that have found light, and not so much that sums of it would be infinite.
@@ -64,10 +70,20 @@ impl Trainer {
         }
     }
 
-    /// Replaces all paths by the continuing ones.
-    pub(super) fn keep_next(&mut self) {
-        std::mem::swap(&mut self.last, &mut self.next);
-        self.next.clear();
+    /// Replaces all paths by the continuing ones, and lets deferred light samples wait, whose first shadow ray has this
+    /// number.
+    pub(super) fn keep_next(&mut self, first_deferred: usize) {
+        let Self { last, next, aimed, waiting, deferred, .. } = self;
+        next.append(aimed);
+        std::mem::swap(last, next);
+        next.clear();
+        waiting.extend(deferred.drain(..).map(|w| Waiting { shadow_ray: first_deferred + w.shadow_ray, ..w }));
+    }
+
+    /// A light sample of path `i`, if it has bounced before.
+    fn light_sample(&self, block: &PathBlock, i: usize, shadow_ray: usize, light: Vec3) -> Option<Waiting> {
+        let last = self.last[block.source[i] as usize];
+        (last != NONE).then(|| Waiting { shadow_ray, last, light: light.element_sum() })
     }
 
     /// Adds the light samples whose shadow rays are free.
@@ -95,17 +111,18 @@ impl Advance<'_, '_> {
     pub(super) fn learn_light_samples(&mut self, block: &PathBlock, shadows: &ShadowRays) {
         let lit = (0..block.len).filter(|&i| shadows.is_lit(i));
         for (shadow_ray, i) in (self.wave.shadow_queue.len()..).zip(lit) {
-            self.learn_light_sample(block, i, shadow_ray, shadows.light(i));
+            if let Some(trainer) = &mut self.trainer {
+                let sample = trainer.light_sample(block, i, shadow_ray, shadows.light(i));
+                trainer.waiting.extend(sample);
+            }
         }
     }
 
-    /// Learns of a light sample of path `i`, with the number of its shadow ray.
-    pub(super) fn learn_light_sample(&mut self, block: &PathBlock, i: usize, shadow_ray: usize, light: Vec3) {
+    /// Learns of a light sample of path `i` whose shadow ray is deferred, with its place among those.
+    pub(super) fn learn_deferred(&mut self, block: &PathBlock, i: usize, shadow_ray: usize, light: Vec3) {
         if let Some(trainer) = &mut self.trainer {
-            let last = trainer.last[block.source[i] as usize];
-            if last != NONE {
-                trainer.waiting.push(Waiting { shadow_ray, last, light: light.element_sum() });
-            }
+            let sample = trainer.light_sample(block, i, shadow_ray, light);
+            trainer.deferred.extend(sample);
         }
     }
 
@@ -130,7 +147,7 @@ impl Advance<'_, '_> {
     /// Learns that path `i` continues in a direction that its closure has not sampled.
     pub(super) fn learn_aimed(&mut self, block: &PathBlock, i: usize) {
         if let Some(trainer) = &mut self.trainer {
-            trainer.next.push(trainer.last[block.source[i] as usize]);
+            trainer.aimed.push(trainer.last[block.source[i] as usize]);
         }
     }
 }
