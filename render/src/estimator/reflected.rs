@@ -19,9 +19,8 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
 
 use super::punctual::{direction_of_sun, intensity};
-use crate::light::Light;
 use crate::scene::PunctualLight;
-use crate::world::{LightEnd, ReflectedStarts, SpecularConnection, Start, Surface, World};
+use crate::world::{LightEnd, LightInMirrors, SpecularConnection, Start, Starts, Surface, World};
 
 /// The strength from which on a start is always searched.
 const ALWAYS: f32 = 0.5;
@@ -51,11 +50,12 @@ pub(crate) struct ReflectedLight {
 pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32, u: Vec2) -> Option<ReflectedLight> {
     let always = ALWAYS / importance;
     let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
-    let mut found: [Option<(u32, SpecularConnection)>; MAX_CONNECTIONS] = Default::default();
+    let mut starts = Starts::NONE;
+    let mut found = [const { None::<(u32, SpecularConnection)> }; MAX_CONNECTIONS];
     let (mut count, mut total, mut chosen) = (0, 0.0, None);
-    for reflected in world.reflected_starts(surface.position, roulette, always) {
-        let ReflectedStarts { light: index, inv_probability, starts } = reflected;
-        let Light::Punctual(light) = &world.lights.lights()[index as usize] else { continue };
+    for reflected in world.lights_in_mirrors(surface.position, roulette) {
+        reflected.find_starts(surface.position, always, &mut starts);
+        let LightInMirrors { index, light, inv_probability, .. } = reflected;
         let moved = world.motion().and_then(|_| world.moved_light(index, light, surface.time));
         let light = moved.as_ref().unwrap_or(light);
         for start in starts.iter() {

@@ -30,7 +30,7 @@ use crate::scene::Material;
 pub(crate) use chain::LightEnd;
 pub(crate) use manifold::SpecularConnection;
 use photons::Photons;
-pub(crate) use photons::{ReflectedStarts, Start};
+pub(crate) use photons::{LightInMirrors, Start, Starts};
 
 /// The most faces that a connection to a light may have.
 const MAX_FACES: usize = 16;

@@ -17,60 +17,30 @@
 //! of that surface may be missed, and so may details of faces smaller than the photon spacing. With very many lights
 //! and bodies, each light uses the bodies that look largest from it.
 
+mod cells;
 mod send;
 
-use glam::{IVec3, Mat2, Vec2, Vec3};
-use halfdome_kernel::geometry::Aabb;
-use std::collections::HashMap;
-use std::hash::{BuildHasherDefault, Hasher};
+use glam::{Mat2, Vec2, Vec3};
 
+use self::cells::Cells;
 use super::chain::Reflection;
 use crate::light::Light;
+use crate::scene::PunctualLight;
 use crate::world::World;
 
-/// The least width of a cell, as a part of the body's radius.
-const MIN_CELL_IN_RADII: f32 = 0.01;
-/// The greatest extents of footprints of refracted and of reflected light, as parts of the body's radius: wider
-/// footprints are faint, but flat mirrors keep their light together.
-const MAX_EXTENTS: [f32; 2] = [0.5, 4.0];
-/// The least width of a cell, as a part of its distance from the origin.
-const MIN_CELL_IN_DISTANCES: f32 = 1e-6;
 /// The allowed distance of a point from a footprint's plane, relative to its length: where it folds, the second
 /// derivative matters.
 const FOLD: f32 = 0.25;
 /// The most lights that are searched for in mirrors from a point.
 const MAX_LIGHTS: usize = 4;
-/// The most photons of a cell, ...
-const MAX_OF_CELL: usize = 48;
-/// ... and the most starts for a point.
+/// The most starts for a point.
 const MAX_STARTS: usize = 32;
 
 /// A map of light of points, spots and suns.
 #[derive(Debug, Default)]
 pub(super) struct Photons {
     /// The lights that have any, in order of their indices.
-    lights: Vec<(u32, LightPhotons)>,
-}
-
-/// Photons of one light, and the cells around where they arrive.
-#[derive(Debug, Default)]
-struct LightPhotons {
-    photons: Vec<Photon>,
-    /// In a cell, of photons whose starts are close to each other there, one; by level and place.
-    cells: HashMap<(i32, IVec3), Vec<u32>, BuildHasherDefault<CellHasher>>,
-    levels: Vec<Level>,
-    /// Around all footprints.
-    bounds: Option<Aabb>,
-}
-
-/// Cells of one size.
-#[derive(Clone, Copy, Debug)]
-struct Level {
-    /// The binary logarithm of their width.
-    exponent: i32,
-    width: f32,
-    /// The greatest irradiance of a photon in them.
-    irradiance: f32,
+    lights: Vec<(u32, Cells)>,
 }
 
 /// A ray that has left the last face, and its change for one sent beside it, along each of two axes.
@@ -115,19 +85,21 @@ pub(crate) struct Start {
 }
 
 /// The starts for a point.
-#[derive(Clone, Copy)]
 pub(crate) struct Starts {
     starts: [Start; MAX_STARTS],
     count: usize,
 }
 
-/// The starts for a point of searches for a light that is reflected there.
-pub(crate) struct ReflectedStarts {
-    /// The index of the light.
-    pub light: u32,
+/// A light that may be reflected to a point.
+pub(crate) struct LightInMirrors<'w> {
+    /// Its index.
+    pub index: u32,
+    pub light: &'w PunctualLight,
     /// The reciprocal of the probability of choosing it.
     pub inv_probability: f32,
-    pub starts: Starts,
+    photons: &'w Cells,
+    /// What is left of the number that chose it.
+    roulette: f32,
 }
 
 /// A photon that has arrived.
@@ -187,45 +159,52 @@ impl Photons {
 
     /// The starts for a point of searches for the light of this index.
     pub(super) fn starts(&self, light: u32, point: Vec3) -> Starts {
-        let found = self.lights.binary_search_by_key(&light, |(index, _)| *index);
-        found.map_or(Starts::NONE, |place| self.lights[place].1.merged_starts(point, 0.0))
+        let mut starts = Starts::NONE;
+        if let Ok(place) = self.lights.binary_search_by_key(&light, |(index, _)| *index) {
+            self.lights[place].1.find(point, 0.0, &mut starts);
+        }
+        starts
     }
 }
 
 impl World {
-    /// Lights whose reflections may arrive at a point, with the starts of the searches for them, the strongest first; of many
-    /// lights a few, evenly spread by `roulette` in [0, 1). Starts weaker than a part of `always`, which is `roulette` or
-    /// its remainder, are left out.
-    pub(crate) fn reflected_starts(
-        &self,
-        point: Vec3,
-        roulette: f32,
-        always: f32,
-    ) -> impl Iterator<Item = ReflectedStarts> {
+    /// Lights whose reflections may arrive at a point; of many lights a few, evenly spread by `roulette` in [0, 1).
+    pub(crate) fn lights_in_mirrors(&self, point: Vec3, roulette: f32) -> impl Iterator<Item = LightInMirrors<'_>> {
         let lights = &self.specular.reflected.lights;
         let stride = (lights.len() as f32 / MAX_LIGHTS as f32).max(1.0);
         (0..lights.len().min(MAX_LIGHTS)).filter_map(move |slot| {
-            let (place, rest) = if stride == 1.0 {
+            let (place, roulette) = if stride == 1.0 {
                 (slot, roulette)
             } else {
                 let place = (slot as f32 + roulette) * stride;
                 ((place as usize).min(lights.len() - 1), place.fract())
             };
-            let (light, photons) = &lights[place];
-            let Light::Punctual(punctual) = &self.lights.lights()[*light as usize] else { return None };
-            if !photons.may_reach(point) {
-                return None;
+            let (index, photons) = &lights[place];
+            match &self.lights.lights()[*index as usize] {
+                Light::Punctual(light) if photons.may_reach(point) => {
+                    Some(LightInMirrors { index: *index, light, inv_probability: stride, photons, roulette })
+                }
+                _ => None,
             }
-            let distance_squared = punctual.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
-            let starts = photons.merged_starts(point, rest * always / distance_squared);
-            let starts = starts.strongest_first(distance_squared);
-            Some(ReflectedStarts { light: *light, inv_probability: stride, starts })
         })
     }
 }
 
+impl LightInMirrors<'_> {
+    /// Writes the starts for a point, the strongest first, of the searches that are worth it: of those weaker than `always`,
+    /// a part in proportion to their strength.
+    pub(crate) fn find_starts(&self, point: Vec3, always: f32, starts: &mut Starts) {
+        let distance_squared = self.light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
+        starts.count = 0;
+        self.photons.find(point, self.roulette * always / distance_squared, starts);
+        let starts = &mut starts.starts[..starts.count];
+        starts.iter_mut().for_each(|start| start.strength *= distance_squared);
+        starts.sort_by(|a, b| b.strength.total_cmp(&a.strength));
+    }
+}
+
 impl Starts {
-    const NONE: Self = Self {
+    pub(crate) const NONE: Self = Self {
         starts: [Start {
             direction: Vec3::ZERO,
             reflection: None,
@@ -240,14 +219,6 @@ impl Starts {
     /// Each of them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Start> {
         self.starts[..self.count].iter()
-    }
-
-    /// The same starts, the strongest first, where the light has the reciprocal of this irradiance.
-    fn strongest_first(mut self, distance_squared: f32) -> Self {
-        let starts = &mut self.starts[..self.count];
-        starts.iter_mut().for_each(|start| start.strength *= distance_squared);
-        starts.sort_by(|a, b| b.strength.total_cmp(&a.strength));
-        self
     }
 
     /// Adds a start, or puts it in the place of one that is farther from its light: of one beside it, or of the worst if
@@ -270,108 +241,9 @@ impl Starts {
     }
 }
 
-impl LightPhotons {
-    /// Whether a point is in the box of all footprints.
-    fn may_reach(&self, point: Vec3) -> bool {
-        self.bounds.is_some_and(|bounds| point.cmpge(bounds.min).all() && point.cmple(bounds.max).all())
-    }
-
-    /// The starts for a point by photons of at least this irradiance, without those that lead to the same connection.
-    fn merged_starts(&self, point: Vec3, irradiance: f32) -> Starts {
-        let mut starts = Starts::NONE;
-        if self.may_reach(point) {
-            for level in self.levels.iter().filter(|level| level.irradiance >= irradiance) {
-                let photons = self.cells.get(&(level.exponent, cell(point, level.width))).into_iter().flatten();
-                let photons = photons.map(|&index| &self.photons[index as usize]);
-                let strong = photons.filter(|photon| photon.irradiance >= irradiance);
-                strong
-                    .filter_map(|photon| {
-                        photon.start(point, if photon.reflection.is_some() { 0.5 * level.width } else { level.width })
-                    })
-                    .for_each(|start| starts.add(start));
-            }
-        }
-        starts
-    }
-
-    /// Adds a photon that has arrived from a body of this radius.
-    fn add(&mut self, arrival: &Arrival, radius: f32) {
-        let Arrival { photon, point, extent } = arrival;
-        let greatest = extent.max_element();
-        let limit = MAX_EXTENTS[usize::from(photon.reflection.is_some())] * radius;
-        if greatest.is_nan() || greatest > limit {
-            return;
-        }
-        // Cells far from the origin are no narrower than a few roundings of their coordinates.
-        let least = (MIN_CELL_IN_RADII * radius).max(MIN_CELL_IN_DISTANCES * point.abs().max_element());
-        let level = greatest.max(least).log2().floor() as i32;
-        let width = (level as f32).exp2();
-        match self.levels.iter_mut().find(|other| other.exponent == level) {
-            Some(other) => other.irradiance = other.irradiance.max(photon.irradiance),
-            None => self.levels.push(Level { exponent: level, width, irradiance: photon.irradiance }),
-        }
-        let index = self.photons.len() as u32;
-        self.photons.push(*photon);
-        let around = Aabb { min: *point - *extent, max: *point + *extent };
-        self.bounds = Some(self.bounds.map_or(around, |bounds| bounds.union(&around)));
-        let [min, max] = [around.min, around.max].map(|corner| cell(corner, width));
-        for z in min.z..=max.z {
-            for y in min.y..=max.y {
-                for x in min.x..=max.x {
-                    let at = IVec3::new(x, y, z);
-                    self.add_to(at, level, index);
-                }
-            }
-        }
-    }
-
-    /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
-    fn add_to(&mut self, at: IVec3, level: i32, index: u32) {
-        let width = (level as f32).exp2();
-        let center = width * (at.as_vec3() + 0.5);
-        let start = |index: u32| self.photons[index as usize].start(center, width);
-        let Some(own) = start(index) else {
-            return;
-        };
-        let kept = self.cells.entry((level, at)).or_default();
-        let mut others = (0..kept.len()).filter_map(|i| Some((i, start(kept[i])?)));
-        match others.find(|(_, start)| own.is_beside(start)) {
-            Some((i, start)) if own.off < start.off => kept[i] = index,
-            None if kept.len() < MAX_OF_CELL => kept.push(index),
-            _ => {}
-        }
-    }
-}
-
 impl Start {
     /// Whether a search from it finds what one from the other does.
     fn is_beside(&self, other: &Self) -> bool {
         self.reflection == other.reflection && self.sent.distance(other.sent) < self.spacing.min(other.spacing)
-    }
-}
-
-/// The cell of this width that a point is in.
-fn cell(point: Vec3, width: f32) -> IVec3 {
-    let scaled = point / width;
-    let towards_zero = scaled.as_ivec3();
-    towards_zero.saturating_sub(IVec3::from(scaled.cmplt(towards_zero.as_vec3())))
-}
-
-/// A hash of few words, faster than the standard library's, which withstands attackers.
-#[derive(Default)]
-struct CellHasher(u64);
-
-impl Hasher for CellHasher {
-    fn finish(&self) -> u64 {
-        self.0 ^ self.0 >> 32
-    }
-
-    fn write(&mut self, bytes: &[u8]) {
-        bytes.iter().for_each(|&byte| self.write_i32(byte.into()));
-    }
-
-    fn write_i32(&mut self, word: i32) {
-        // Knuth's multiplier of a linear congruential generator.
-        self.0 = (self.0.rotate_left(13) ^ u64::from(word as u32)).wrapping_mul(6_364_136_223_846_793_005);
     }
 }

@@ -9,7 +9,8 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{PolarDisc, UniformSphere, Warp};
 use rayon::prelude::*;
 
-use super::{Arrival, FOLD, LightPhotons, Photon, Sent};
+use super::cells::CellsBuilder;
+use super::{Arrival, FOLD, Photon, Sent};
 use crate::light::Light;
 use crate::scene::{Mesh, PunctualLight};
 use crate::world::specular::MAX_FACES;
@@ -59,7 +60,7 @@ impl World {
         let of_light = PHOTONS / lights.len().max(1);
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
         let follow = |&(light, index): &(&PunctualLight, u32)| {
-            let [mut refracted, mut reflected] = [(); 2].map(|()| LightPhotons::default());
+            let [mut refracted, mut reflected] = [(); 2].map(|()| CellsBuilder::default());
             // The bodies that look largest from the light.
             let mut bodies = bodies.clone();
             bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
@@ -72,16 +73,14 @@ impl World {
                     });
                 }
             }
-            [(index, refracted), (index, reflected)]
+            [refracted, reflected].map(|cells| (index, cells.finish()))
         };
         let arrived: Vec<_> = lights.par_iter().map(follow).collect();
         for [refracted, reflected] in arrived {
             for (map, (index, photons)) in
                 [(&mut self.specular.refracted, refracted), (&mut self.specular.reflected, reflected)]
             {
-                if photons.bounds.is_some() {
-                    map.lights.push((index, photons));
-                }
+                map.lights.extend(photons.map(|photons| (index, photons)));
             }
         }
     }

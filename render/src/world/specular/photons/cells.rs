@@ -1,0 +1,349 @@
+//! The photons of one light in cells around where they arrive.
+//!
+//! Cells are cubes, of a power of two wide: a photon is in those of the level that its footprint's extent gives, which it
+//! may light. A point asks one cell a level for photons of at least some irradiance. Most have none: which, a coarse grid
+//! knows, whose entries for a place are side by side in memory.
+
+use std::collections::HashMap;
+use std::hash::{BuildHasherDefault, Hasher};
+
+use glam::{IVec3, UVec3, Vec3};
+use halfdome_kernel::geometry::Aabb;
+
+use super::{Arrival, Photon, Starts};
+
+/// The least width of a cell, as a part of the body's radius.
+const MIN_CELL_IN_RADII: f32 = 0.01;
+/// The greatest extents of footprints of refracted and of reflected light, as parts of the body's radius: wider
+/// footprints are faint, but flat mirrors keep their light together.
+const MAX_EXTENTS: [f32; 2] = [0.5, 4.0];
+/// The least width of a cell, as a part of its distance from the origin.
+const MIN_CELL_IN_DISTANCES: f32 = 1e-6;
+/// The most photons of a cell.
+const MAX_OF_CELL: usize = 48;
+/// Cells for each part of the coarse grid, and the most parts along an axis.
+const CELLS_OF_PART: f32 = 4.0;
+const MAX_PARTS: f32 = 16.0;
+
+/// A map by cells.
+type ByCell<T> = HashMap<(i32, IVec3), T, BuildHasherDefault<CellHasher>>;
+
+/// Photons and their cells, while there come more.
+#[derive(Default)]
+pub(super) struct CellsBuilder {
+    photons: Vec<Photon>,
+    /// In a cell, by level and place, of photons whose starts are close to each other there, one.
+    cells: ByCell<Vec<u32>>,
+    /// Around all footprints.
+    bounds: Option<Aabb>,
+}
+
+/// Photons and their cells.
+#[derive(Debug)]
+pub(super) struct Cells {
+    photons: Vec<Photon>,
+    /// The photons of all cells, in each by falling irradiance.
+    entries: Vec<Entry>,
+    /// The first entry of each cell, and their number.
+    cells: ByCell<(u32, u32)>,
+    levels: Vec<Level>,
+    bounds: Aabb,
+    coarse: CoarseGrid,
+}
+
+/// A photon of a cell.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    irradiance: f32,
+    photon: u32,
+}
+
+/// Cells of one size.
+#[derive(Clone, Copy, Debug)]
+struct Level {
+    /// The binary logarithm of their width.
+    exponent: i32,
+    width: f32,
+}
+
+/// The greatest irradiance of each level in each part of a box.
+#[derive(Debug)]
+struct CoarseGrid {
+    /// Parts along an axis.
+    count: u32,
+    min: Vec3,
+    parts_per_length: Vec3,
+    /// By part, of each level the upper bound as an exponent (see [`exponent`]); 0 where there are no photons.
+    greatest: Vec<u8>,
+}
+
+impl CellsBuilder {
+    /// Adds a photon that has arrived from a body of this radius.
+    pub(super) fn add(&mut self, arrival: &Arrival, radius: f32) {
+        let Arrival { photon, point, extent } = arrival;
+        let greatest = extent.max_element();
+        let limit = MAX_EXTENTS[usize::from(photon.reflection.is_some())] * radius;
+        if greatest.is_nan() || greatest > limit {
+            return;
+        }
+        // Cells far from the origin are no narrower than a few roundings of their coordinates.
+        let least = (MIN_CELL_IN_RADII * radius).max(MIN_CELL_IN_DISTANCES * point.abs().max_element());
+        let level = Level::new(greatest.max(least).log2().floor() as i32);
+        let index = self.photons.len() as u32;
+        self.photons.push(*photon);
+        let around = Aabb { min: *point - *extent, max: *point + *extent };
+        self.bounds = Some(self.bounds.map_or(around, |bounds| bounds.union(&around)));
+        let [min, max] = [around.min, around.max].map(|corner| level.cell(corner));
+        for z in min.z..=max.z {
+            for y in min.y..=max.y {
+                for x in min.x..=max.x {
+                    self.add_to(IVec3::new(x, y, z), level, index);
+                }
+            }
+        }
+    }
+
+    /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
+    fn add_to(&mut self, at: IVec3, level: Level, index: u32) {
+        let center = level.width * (at.as_vec3() + 0.5);
+        let start = |index: u32| self.photons[index as usize].start(center, level.width);
+        let Some(own) = start(index) else {
+            return;
+        };
+        let kept = self.cells.entry((level.exponent, at)).or_default();
+        let mut others = (0..kept.len()).filter_map(|i| Some((i, start(kept[i])?)));
+        match others.find(|(_, start)| own.is_beside(start)) {
+            Some((i, start)) if own.off < start.off => kept[i] = index,
+            None if kept.len() < MAX_OF_CELL => kept.push(index),
+            _ => {}
+        }
+    }
+
+    /// All of them, if there are any. Photons of neighbouring cells are close to each other in memory.
+    pub(super) fn finish(self) -> Option<Cells> {
+        let Self { photons, cells, bounds } = self;
+        let mut cells: Vec<_> = cells.into_iter().collect();
+        cells.sort_unstable_by_key(|((level, at), _)| (*level, at.z, at.y, at.x));
+        let mut levels: Vec<Level> = Vec::new();
+        for ((exponent, _), _) in &cells {
+            if levels.last().is_none_or(|level| level.exponent != *exponent) {
+                levels.push(Level::new(*exponent));
+            }
+        }
+        let mut all = Cells {
+            photons: Vec::new(),
+            entries: Vec::new(),
+            cells: ByCell::default(),
+            coarse: CoarseGrid::new(&bounds?, cells.len(), levels.len()),
+            levels,
+            bounds: bounds?,
+        };
+        let mut places = vec![None; photons.len()];
+        for ((exponent, at), kept) in cells {
+            let first = all.entries.len();
+            // Without those of NaN.
+            for index in kept.into_iter().filter(|&index| photons[index as usize].irradiance >= 0.0) {
+                let photon = *places[index as usize].get_or_insert_with(|| {
+                    all.photons.push(photons[index as usize]);
+                    all.photons.len() as u32 - 1
+                });
+                all.entries.push(Entry { irradiance: photons[index as usize].irradiance, photon });
+            }
+            let entries = &mut all.entries[first..];
+            entries.sort_by(|a, b| b.irradiance.total_cmp(&a.irradiance));
+            all.cells.insert((exponent, at), (first as u32, entries.len() as u32));
+            if let (Some(entry), Some(level)) =
+                (entries.first(), all.levels.iter().position(|level| level.exponent == exponent))
+            {
+                let width = all.levels[level].width;
+                let corners = [at, at.saturating_add(IVec3::ONE)].map(|at| width * at.as_vec3());
+                all.coarse.add(corners, level, entry.irradiance);
+            }
+        }
+        Some(all)
+    }
+}
+
+impl Cells {
+    /// Whether a point is in the box of all footprints.
+    pub(super) fn may_reach(&self, point: Vec3) -> bool {
+        point.cmpge(self.bounds.min).all() && point.cmple(self.bounds.max).all()
+    }
+
+    /// Adds the starts for a point by photons of at least this irradiance, without those that lead to the same connection.
+    pub(super) fn find(&self, point: Vec3, irradiance: f32, starts: &mut Starts) {
+        if !self.may_reach(point) {
+            return;
+        }
+        let least = exponent(irradiance);
+        let greatest = self.coarse.greatest(point, self.levels.len());
+        for (level, _) in self.levels.iter().zip(greatest).filter(|(_, greatest)| **greatest >= least) {
+            let Some(&(first, count)) = self.cells.get(&(level.exponent, level.cell(point))) else { continue };
+            let entries = &self.entries[first as usize..][..count as usize];
+            for entry in entries.iter().take_while(|entry| entry.irradiance >= irradiance) {
+                let photon = &self.photons[entry.photon as usize];
+                let beside = if photon.reflection.is_some() { 0.5 * level.width } else { level.width };
+                if let Some(start) = photon.start(point, beside) {
+                    starts.add(start);
+                }
+            }
+        }
+    }
+}
+
+impl Level {
+    fn new(exponent: i32) -> Self {
+        Self { exponent, width: (exponent as f32).exp2() }
+    }
+
+    /// The cell that a point is in.
+    fn cell(&self, point: Vec3) -> IVec3 {
+        let scaled = point / self.width;
+        let towards_zero = scaled.as_ivec3();
+        towards_zero.saturating_sub(IVec3::from(scaled.cmplt(towards_zero.as_vec3())))
+    }
+}
+
+impl CoarseGrid {
+    fn new(bounds: &Aabb, cells: usize, levels: usize) -> Self {
+        let count = (cells as f32 / CELLS_OF_PART).cbrt().clamp(1.0, MAX_PARTS) as u32;
+        let size = (bounds.max - bounds.min).max(Vec3::splat(f32::MIN_POSITIVE));
+        let greatest = vec![0; levels * (count * count * count) as usize];
+        Self { count, min: bounds.min, parts_per_length: count as f32 / size, greatest }
+    }
+
+    /// The part that a point is in, or the next one. It does not decrease with any coordinate.
+    fn part(&self, point: Vec3) -> UVec3 {
+        ((point - self.min) * self.parts_per_length).as_uvec3().min(UVec3::splat(self.count - 1))
+    }
+
+    fn index(&self, part: UVec3) -> usize {
+        ((part.z * self.count + part.y) * self.count + part.x) as usize
+    }
+
+    /// Adds a cell's greatest irradiance.
+    fn add(&mut self, corners: [Vec3; 2], level: usize, irradiance: f32) {
+        let levels = self.greatest.len() / self.count.pow(3) as usize;
+        let [min, max] = corners.map(|corner| self.part(corner));
+        for z in min.z..=max.z {
+            for y in min.y..=max.y {
+                for x in min.x..=max.x {
+                    let place = self.index(UVec3::new(x, y, z)) * levels + level;
+                    self.greatest[place] = self.greatest[place].max(exponent(irradiance));
+                }
+            }
+        }
+    }
+
+    /// The bounds of each level at a point.
+    fn greatest(&self, point: Vec3, levels: usize) -> &[u8] {
+        &self.greatest[self.index(self.part(point)) * levels..][..levels]
+    }
+}
+
+/// A positive number's exponent as floats have it, at least 1: it does not decrease with the number.
+fn exponent(irradiance: f32) -> u8 {
+    ((irradiance.to_bits() >> 23) as u8).max(1)
+}
+
+/// A hash of few words, faster than the standard library's, which withstands attackers.
+#[derive(Default)]
+struct CellHasher(u64);
+
+impl Hasher for CellHasher {
+    fn finish(&self) -> u64 {
+        self.0 ^ self.0 >> 32
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        bytes.iter().for_each(|&byte| self.write_i32(byte.into()));
+    }
+
+    fn write_i32(&mut self, word: i32) {
+        // Knuth's multiplier of a linear congruential generator.
+        self.0 = (self.0.rotate_left(13) ^ u64::from(word as u32)).wrapping_mul(6_364_136_223_846_793_005);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::vec3;
+    use halfdome_kernel::sampling::Stream;
+
+    use super::*;
+    use crate::world::specular::photons::Sent;
+
+    /// A vector in [0, 1)³.
+    fn place(i: u32, set: u32) -> Vec3 {
+        let [x, y, z, _] = Stream::new(7, i, 0).uniform4(set);
+        vec3(x, y, z)
+    }
+
+    /// Photons of many sizes and strengths that arrive in a flat box, sent from places far apart.
+    fn cells(count: u32) -> Cells {
+        let mut cells = CellsBuilder::default();
+        for i in 0..count {
+            let (point, numbers) = (place(i, 0) * vec3(10.0, 3.0, 0.0) - vec3(2.0, 1.0, 0.0), place(i, 1));
+            let extent = 2e-2 * (40.0 * numbers.x).max(1.0);
+            let photon = Photon {
+                origin: point + Vec3::Z,
+                direction: Vec3::NEG_Z,
+                d_origin: [Vec3::X * extent, Vec3::Y * extent],
+                d_direction: [Vec3::ZERO; 2],
+                sent: Sent { at: 1000.0 * point, by: [Vec3::X * extent, Vec3::Y * extent] },
+                blur: 0.0,
+                reflection: Some(0),
+                irradiance: (20.0 * numbers.y - 15.0).exp2(),
+            };
+            cells.add(&Arrival { photon, point, extent: vec3(extent, extent, 0.0) }, 1.0);
+        }
+        cells.finish().unwrap()
+    }
+
+    #[test]
+    fn the_coarse_grid_hides_no_photon() {
+        let cells = cells(2000);
+        assert!(cells.levels.len() > 4 && cells.coarse.count > 4, "{} {}", cells.levels.len(), cells.coarse.count);
+        let (mut known, mut hidden) = (0, 0);
+        for i in 0..20_000 {
+            let point = place(i, 2) * vec3(10.0, 3.0, 0.0) - vec3(2.0, 1.0, 0.0);
+            for (level, &greatest) in cells.levels.iter().zip(cells.coarse.greatest(point, cells.levels.len())) {
+                let Some(&(first, count)) = cells.cells.get(&(level.exponent, level.cell(point))) else {
+                    hidden += usize::from(greatest == 0);
+                    continue;
+                };
+                let entries = &cells.entries[first as usize..][..count as usize];
+                assert!(entries.iter().all(|entry| exponent(entry.irradiance) <= greatest));
+                assert!(entries.is_sorted_by(|a, b| a.irradiance >= b.irradiance));
+                known += 1;
+            }
+        }
+        assert!(known > 1000 && hidden > 1000, "{known} {hidden}");
+    }
+
+    #[test]
+    fn photons_are_found_within_their_footprints_if_they_are_strong_enough() {
+        let cells = cells(200);
+        let mut starts = Starts::NONE;
+        let mut found = [0; 2];
+        for photon in &cells.photons {
+            let point = photon.origin - Vec3::Z;
+            for (count, least) in found.iter_mut().zip([0.0, 1.0]) {
+                starts.count = 0;
+                cells.find(point, least, &mut starts);
+                assert!(starts.iter().all(|start| start.strength >= least));
+                let is_there = starts.iter().any(|start| start.sent.distance(photon.sent.at) <= start.spacing);
+                assert_eq!(is_there, photon.irradiance >= least, "{photon:?}");
+                *count += usize::from(is_there);
+            }
+        }
+        assert!(found[0] == cells.photons.len() && found[1] < found[0], "{found:?}");
+    }
+
+    #[test]
+    fn exponents_do_not_decrease() {
+        let numbers = [0.0, 1e-40, 1e-30, 0.3, 0.5, 0.9, 1.0, 3.0, 1e30, f32::INFINITY];
+        assert!(numbers.map(exponent).is_sorted());
+        assert_eq!(exponent(0.0), 1);
+    }
+}
