@@ -167,6 +167,10 @@ def build(directory, make):
     kit.add("plane", kit.matte("floor", picture=kit.image(directory, "floor", squares)), size=8)
     made = make(directory)
     made.name = "m"
+    # Cycles filters encoded colours, and glTF's readers linear ones.
+    for node in (node for material in bpy.data.materials for node in material.node_tree.nodes):
+        if node.type == "TEX_IMAGE" and node.image.colorspace_settings.name != "Non-Color":
+            node.interpolation = "Closest"
     kit.add("uv_sphere", made, at=(0, 0, 1), radius=1, segments=96, ring_count=48, smooth=True)
     kit.camera((0, -5, 2.1), (0, 0, 0.95), 30)
     return kit.sky_picture(directory, kit.clear_sky(SUN, (120, 110, 90), radius=0.1))

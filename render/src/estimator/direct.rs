@@ -60,9 +60,21 @@ pub(crate) fn sample_direct(
     how: (LightSampling, SkyPart),
     numbers: (f64, f32),
 ) -> impl Iterator<Item = ShadowRay> {
-    let straight = sample_one_light(world, surface, scattering, how, numbers);
+    sample_direct_by(world, surface, |direction| scattering.eval(direction), how, numbers)
+}
+
+/// The same by what is scattered of light from a direction, `f cos θ`, and the density of bounces there. It may be negative.
+#[inline(always)]
+pub(crate) fn sample_direct_by(
+    world: &World,
+    surface: &Surface,
+    eval: impl Fn(Vec3) -> (Vec3, f32),
+    how: (LightSampling, SkyPart),
+    numbers: (f64, f32),
+) -> impl Iterator<Item = ShadowRay> {
+    let straight = sample_one_light(world, surface, &eval, how, numbers);
     let reflected =
-        if world.has_reflected_light() { sample_mirrored(world, surface, scattering, how.0, numbers) } else { None };
+        if world.has_reflected_light() { sample_mirrored(world, surface, &eval, how.0, numbers) } else { None };
     straight.into_iter().chain(reflected)
 }
 
@@ -71,7 +83,7 @@ pub(crate) fn sample_direct(
 fn sample_one_light(
     world: &World,
     surface: &Surface,
-    scattering: &Scattering<impl Bsdf>,
+    eval: impl Fn(Vec3) -> (Vec3, f32),
     (lights, part): (LightSampling, SkyPart),
     (choice, v): (f64, f32),
 ) -> Option<ShadowRay> {
@@ -79,10 +91,11 @@ fn sample_one_light(
     let weights = world.lights.weigh(&receiver, part);
     let choice = world.lights.choose(&receiver, &weights, choice)?;
     let light = sample_light(world, surface, (lights, part), &choice, v)?;
-    let (scattered, bounce_density) = scattering.eval(light.direction);
+    let (scattered, bounce_density) = eval(light.direction);
     let inv_density = if light.is_punctual { 0.0 } else { light.inv_density };
     let radiance = scattered * light.radiance * lights.light_weight(inv_density, bounce_density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
+    let is_any = radiance.abs().cmpgt(Vec3::ZERO).any();
+    is_any.then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
 }
 
 /// Samples the light that mirrors and glass reflect.
@@ -90,15 +103,15 @@ fn sample_one_light(
 fn sample_mirrored(
     world: &World,
     surface: &Surface,
-    scattering: &Scattering<impl Bsdf>,
+    eval: impl Fn(Vec3) -> (Vec3, f32),
     lights: LightSampling,
     (choice, v): (f64, f32),
 ) -> Option<ShadowRay> {
     let numbers = Vec2::new((choice as f32).min(ONE_MINUS_EPSILON), v);
     let ReflectedLight { direction, shadow, received, .. } = sample_reflected(world, surface, 1.0, numbers)?;
-    let (scattered, density) = scattering.eval(direction);
+    let (scattered, density) = eval(direction);
     let radiance = scattered * received * lights.light_weight(0.0, density);
-    radiance.cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: shadow, direction, radiance })
+    radiance.abs().cmpgt(Vec3::ZERO).any().then_some(ShadowRay { ray: shadow, direction, radiance })
 }
 
 /// The density per solid angle with which a light sample at `receiver`, among bounces and with this part of the sky, gives

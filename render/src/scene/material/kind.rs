@@ -30,12 +30,12 @@ impl Material {
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
-    /// Whether it scatters nearly as a diffuse surface of its albedo would, given the roughness from which on its gloss
-    /// may count as diffuse.
-    pub(crate) fn is_nearly_diffuse(&self, rough: f32) -> bool {
+    /// Whether it scatters indirect light nearly as a diffuse surface of its albedo would.
+    pub(crate) fn is_nearly_diffuse(&self) -> bool {
+        const ROUGH: f32 = 0.25;
         let Inputs { base_metalness, transmission_weight, diffuse_transmission_weight, coat_weight, .. } = self.inputs;
         let is_opaque = transmission_weight == 0.0 && diffuse_transmission_weight == 0.0;
-        is_opaque && base_metalness < 0.5 && coat_weight == 0.0 && self.inputs.specular_roughness >= rough
+        is_opaque && base_metalness < 0.5 && coat_weight == 0.0 && self.inputs.specular_roughness >= ROUGH
     }
 
     /// Whether light goes through, so that one may see it from within.

@@ -20,23 +20,10 @@ impl World {
     }
 
     /// Whether a triangle's material scatters nearly as a diffuse surface of its albedo would, so that its reflected
-    /// light may be computed from its irradiance in means over many such points.
+    /// indirect light may be computed from its irradiance in means over many such points.
     pub(crate) fn is_nearly_diffuse(&self, prim_id: u32) -> bool {
-        /// The least roughness where light samples are taken of the closure itself.
-        const ROUGH: f32 = 0.25;
-        self.is_diffuse_from(prim_id, ROUGH)
-    }
-
-    /// The same where all its light, also that of lamps and suns, is computed from irradiance: smoother surfaces
-    /// reflect these as patches that one sees on the walls.
-    pub(crate) fn is_nearly_diffuse_to_lights(&self, prim_id: u32) -> bool {
-        const ROUGH: f32 = 0.5;
-        self.is_diffuse_from(prim_id, ROUGH)
-    }
-
-    fn is_diffuse_from(&self, prim_id: u32, rough: f32) -> bool {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        self.kind(prim_id) == Kind::Matte || material.is_nearly_diffuse(rough)
+        self.kind(prim_id) == Kind::Matte || material.is_nearly_diffuse()
     }
 
     /// The material's inputs at a surface.
