@@ -9,6 +9,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::baker::{Baker, Found};
+use super::partly_covered::is_partly_covered;
 use super::texel_irradiance::TexelIrradiance;
 use super::values::Values;
 use crate::bake::files::checkpoint::{CheckpointedRecords, Stage};
@@ -45,6 +46,8 @@ impl Baker<'_> {
         let (frozen, rays) =
             self.fill(texels, (rough, self.options.seed ^ salts::ROUGH), (source, aim.of_means()), &records)?;
         let indirect = |texel: &Texel| frozen.irradiance(self.world, &self.surface(texel));
+        let is_mean_seen = |texel: &&Texel| !is_partly_covered(self.world, self.surfaces, texel);
+        let indirect = |texel: &Texel| Some(texel).filter(is_mean_seen).and_then(indirect);
         let indirect: Vec<Option<Vec3>> = texels.par_iter().map(indirect).collect();
         let all = indirect.into_iter().zip(direct.texels()).map(|(indirect, direct)| Some(indirect? + direct[0]));
         let map = TexelIrradiance::new(self.surfaces, texels, all.collect());

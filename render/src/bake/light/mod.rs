@@ -5,5 +5,6 @@ pub(super) mod baker;
 mod cached;
 mod direct_points;
 pub(super) mod moments;
+mod partly_covered;
 mod texel_irradiance;
 mod values;

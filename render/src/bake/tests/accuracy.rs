@@ -65,6 +65,25 @@ fn a_cache_tells_what_gathers_do() {
     }
 }
 
+/// The position and normal of each texel, and the ratio of its indirect light to what gathers at each texel find.
+fn indirect_by_gathers(room: &Scene, density: f32) -> Vec<(Vec3, Vec3, f32)> {
+    let mut options = BakeOptions { mode: Mode::Indirect, density: Some(density), ..BakeOptions::default() };
+    let [by_cache, by_gathers] = [false, true].map(|brute| {
+        options.brute = brute;
+        options.cache.rays = if brute { 2048 } else { CachedOptions::default().rays };
+        baked(room, &options)
+    });
+    let world = World::new(room.clone()).unwrap();
+    let atlas = Atlas::new(room, &options).unwrap();
+    let texels = Surfaces::new(room, &atlas).texels();
+    let ratio = |texel: &Texel| {
+        let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
+        let value = |bake: &Bake| bake.maps[texel.page as usize].layers[0].texels[texel.index as usize].x;
+        (surface.position, surface.normal, value(&by_cache) / value(&by_gathers))
+    };
+    texels.iter().map(ratio).collect()
+}
+
 /// Records of the dark behind what hangs close in front of a wall serve neither its front nor the wall beside it.
 #[test]
 fn things_close_in_front_of_a_wall_are_as_bright_as_by_gathers() {
@@ -78,23 +97,11 @@ fn things_close_in_front_of_a_wall_are_as_bright_as_by_gathers() {
             ],
             vec![glowing(0.0, 0.7), glowing(10.0, 0.0)],
         );
-        let mut options = BakeOptions { mode: Mode::Indirect, density: Some(4.0), ..BakeOptions::default() };
-        let [by_cache, by_gathers] = [false, true].map(|brute| {
-            options.brute = brute;
-            options.cache.rays = if brute { 2048 } else { CachedOptions::default().rays };
-            baked(&room, &options)
-        });
-        let world = World::new(room.clone()).unwrap();
-        let atlas = Atlas::new(&room, &options).unwrap();
-        let texels = Surfaces::new(&room, &atlas).texels();
+        let ratios = indirect_by_gathers(&room, 4.0);
         let of = |is_one: &dyn Fn(Vec3) -> bool| -> Vec<f32> {
-            let ratio = |texel: &Texel| {
-                let surface = world.receiver(texel.point.prim_id, texel.point.barycentric);
-                let value = |bake: &Bake| bake.maps[texel.page as usize].layers[0].texels[texel.index as usize].x;
-                let is_one = surface.normal.z > 0.9 && is_one(surface.position);
-                is_one.then(|| value(&by_cache) / value(&by_gathers))
-            };
-            texels.iter().filter_map(ratio).collect()
+            let of_one =
+                |&(position, normal, ratio): &(Vec3, Vec3, f32)| (normal.z > 0.9 && is_one(position)).then_some(ratio);
+            ratios.iter().filter_map(of_one).collect()
         };
         let front = of(&|position| position.z > gap);
         let mean = front.iter().sum::<f32>() / front.len() as f32;
@@ -106,4 +113,21 @@ fn things_close_in_front_of_a_wall_are_as_bright_as_by_gathers() {
         let darkest = beside.iter().copied().fold(f32::INFINITY, f32::min);
         assert!(beside.len() > 12 && darkest > 0.8, "gap {gap}: {darkest}");
     }
+}
+
+/// Panels that shine at the ceiling close above them, too: what is bright in the gap does not light the room.
+#[test]
+fn lit_gaps_do_not_shine_at_the_room() {
+    let panel = |x: f32, z: f32| Mesh {
+        material: 1,
+        ..hollow("panel", vec3(x, 2.394, z), vec3(x + 0.3, 2.395, z + 0.6), false)
+    };
+    let panels = [(0.5, 0.4), (0.5, 1.8), (1.7, 0.4), (1.7, 1.8)].map(|(x, z)| panel(x, z));
+    let room = hollow("room", Vec3::ZERO, vec3(2.6, 2.4, 2.9), true);
+    let room = scene([&[room][..], &panels].concat(), vec![glowing(0.0, 0.7), glowing(10.0, 0.0)]);
+    let ratios = indirect_by_gathers(&room, 6.0);
+    let floor = ratios.iter().filter(|(position, normal, _)| position.y < 1e-3 && normal.y > 0.9);
+    let floor: Vec<f32> = floor.map(|(.., ratio)| *ratio).collect();
+    let mean = floor.iter().sum::<f32>() / floor.len() as f32;
+    assert!(floor.len() > 200 && (mean - 1.0).abs() < 0.025, "{mean}");
 }
