@@ -25,6 +25,7 @@ use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
 use crate::film::{BadSamples, Film};
+use crate::integrator::unmatched_labels;
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::{Integrator, Settings};
@@ -32,24 +33,28 @@ use crate::world::World;
 use pictures::{is_black, is_exr, shown_name, without_aov};
 pub(crate) use pictures::{refuse_failures, write_all};
 use statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
-use summary::{End, RenderReport};
+use summary::{End, RenderReport, Told};
 use watch::RenderWatch;
 
 /// Renders a picture or a sequence; the exit code says whether every sample was taken.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     match arguments.sequence.numbers() {
         Some(frames) => sequence(arguments, frames),
-        None => render(arguments),
+        None => render(arguments, &Told::default()),
     }
 }
 
 /// Renders frames one after the other, each written when it is done.
 fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> Result<u8, CliError> {
     let style = arguments.common.progress.style(std::io::stderr().is_terminal());
+    arguments.check_skipping()?;
     let mut code = EXIT_DONE;
+    let told = Told::default();
     for frame in frames {
         let arguments = arguments.of_frame(frame)?;
-        if arguments.sequence.skip_existing && arguments.outputs()?.iter().all(|path| path.exists()) {
+        // A file without a byte is what a full disk or a failed copy leaves.
+        let is_there = |path: &PathBuf| path.metadata().is_ok_and(|file| file.len() > 0);
+        if arguments.sequence.skip_existing && arguments.outputs()?.iter().all(is_there) {
             print_text(style, &format!("frame {frame} is there"));
             continue;
         }
@@ -57,7 +62,7 @@ fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> R
             return Ok(EXIT_INTERRUPTED);
         }
         print_text(style, &format!("frame {frame}"));
-        match render(&arguments)? {
+        match render(&arguments, &told)? {
             EXIT_INTERRUPTED => return Ok(EXIT_INTERRUPTED),
             EXIT_LIMIT => code = EXIT_LIMIT,
             _ => {}
@@ -66,8 +71,8 @@ fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> R
     Ok(code)
 }
 
-/// Renders a picture.
-fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
+/// Renders a picture. Warnings that were `told` about other pictures of a sequence are not printed again.
+fn render(arguments: &RenderArguments, told: &Told) -> Result<u8, CliError> {
     let begin = Instant::now();
     let mut recorder = Recorder::start();
     let (film_path, paths) = arguments.film.places(&arguments.outputs()?)?;
@@ -146,12 +151,14 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
             halfdome_kernel::MAX_COORDINATE
         ));
     }
+    warnings.extend(unmatched_labels(&world, &settings.aovs));
     let before = match &film_path {
         Some(path) if arguments.film.resume => begun(path, &world, &settings, cache.as_ref(), style)?,
         _ => None,
     };
+    warnings.extend(before.as_ref().and_then(|film| more_samples(film, settings.spp)));
     let mut report =
-        RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
+        RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings, told };
     report.print_start(style);
 
     interrupt::catch()?;
@@ -285,6 +292,17 @@ fn begun(
         &format!("going on with {}: {} to {} samples a pixel", path.display(), samples.start, samples.end),
     );
     Ok(Some(film))
+}
+
+/// The warning about a film that has more samples than are asked for: none can be taken out of its sums.
+fn more_samples(film: &Film, spp: u32) -> Option<String> {
+    let most = film.samples().end;
+    (most > spp).then(|| {
+        let samples = count(most as usize, "sample", "samples");
+        format!(
+            "the film has {samples} a pixel already, more than --spp {spp}: the picture is written with all of them"
+        )
+    })
 }
 
 /// As many lights as are named with their colours.

@@ -17,10 +17,10 @@ options! {
         /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle
         /// is towards -z [default: 0]
         #[arg(id = "sky-rotation", value_name = "DEGREES")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         rotation: f32 = value::degrees, in "sky";
         /// Factor on the environment map or the daylight [default: 1]
-        #[arg(id = "sky-scale", value_name = "S", allow_negative_numbers = true)]
+        #[arg(id = "sky-scale", value_name = "S", allow_hyphen_values = true)]
         scale: f32 = value::scale, in "sky";
         /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is
         /// +x), and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
@@ -31,7 +31,7 @@ options! {
         #[arg(value_name = "NAME")]
         daylight_model: DaylightModel = value::daylight_model, in "sky";
         /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]
-        #[arg(value_name = "R[,G,B]", allow_negative_numbers = true)]
+        #[arg(value_name = "R[,G,B]", allow_hyphen_values = true)]
         daylight_albedo: Vec3 = value::albedo, in "sky";
     }
     others {
