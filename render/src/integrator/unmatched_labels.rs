@@ -74,7 +74,7 @@ mod tests {
         let material = scene.materials[0].name.clone();
         let world = World::new(scene).unwrap();
         let warnings = |text: &str| unmatched_labels(&world, &[Aov::new("test", text).unwrap()]);
-        for fine in ["C.*", "C<RD'floor'>L", "C.*<L.'lamp'>", "C<T'left wall'>.*<B.'sky'>", "C'lamp'.*"] {
+        for fine in ["C.*", "C<RD'floor'>L", "C.*<L.'lamp'>", "C<T.'left wall'>.*<B.'sky'>", "C'lamp'.*"] {
             assert_eq!(warnings(fine), [""; 0], "{fine}");
         }
         let [far] = &warnings("C<RD'no such label'>L")[..] else { panic!() };

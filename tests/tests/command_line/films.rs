@@ -167,6 +167,17 @@ fn what_is_killed_loses_nothing_but_the_time_since_its_checkpoint() {
     assert_eq!(names, ["a.exr", "a.hdf", "check.hdf", "t.obj", "whole.exr"]);
 }
 
+#[test]
+fn more_samples_than_are_asked_for_are_told() {
+    let desk = Desk::new();
+    let scene = "render cornell --size 16x12 --progress none --resume -o a.exr";
+    desk.ends(0, &format!("{scene} --spp 9"));
+    let told = desk.ends(0, &format!("{scene} --spp 4"));
+    assert!(told.contains("warning: the film has 9 samples a pixel already, more than --spp 4"), "{told}");
+    assert!(!desk.ends(0, &format!("{scene} --spp 9")).contains("already"));
+    desk.refuses(&format!("{scene} --spp 9 --max-depth 3"), 1, &["a.hdf", "--max-depth is 1024, not 3"]);
+}
+
 /// The root mean square of the relative errors is that of the picture against many samples, and nothing gets darker.
 #[test]
 fn the_noise_that_was_asked_for_is_there() {

@@ -251,7 +251,11 @@ fn bake(
 ) -> Result<u8, CliError> {
     let hashes = files.hashes(&scene, options);
     if let Ok(old) = Manifest::read(&files.manifest) {
-        let changes = hashes.changes_since(&old.made_from);
+        let mut changes = hashes.changes_since(&old.made_from);
+        if old.generator != Manifest::GENERATOR {
+            // Another version may find other light, and lay charts out in another way.
+            changes.insert(0, format!("the maps are by {:?}, and this is {}", old.generator, Manifest::GENERATOR));
+        }
         if !changes.is_empty() {
             // Any surface may reflect light to any other.
             print_text(

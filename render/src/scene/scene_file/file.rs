@@ -225,13 +225,18 @@ impl Parser<'_> {
                 continue;
             }
             if !SECTIONS.contains(&section.name) {
-                let problem = format!("unknown section {:?}", section.name);
-                let known = [SECTIONS, TABLES].concat();
-                return Err(self.error(section.at.start, problem, suggestion(section.name, &known)));
+                return Err(self.unknown(&section));
             }
             let DeValue::Table(table) = section.value else {
                 let problem = format!("`{}` is not a section", section.name);
-                return Err(self.error(section.at.start, problem, format!("write [{}] on a line", section.name)));
+                let written = self.text.get(section.value_at.clone()).unwrap_or_default();
+                let remedy = match (section.name, section.value) {
+                    ("scene", DeValue::String(_)) => {
+                        format!("write [scene] on a line, then file = {}", shortened(written))
+                    }
+                    (name, _) => format!("write [{name}] on a line"),
+                };
+                return Err(self.error(section.at.start, problem, remedy));
             };
             for entry in entries(table) {
                 if (section.name, entry.name) == ("scene", "file") {
@@ -249,6 +254,29 @@ impl Parser<'_> {
             return Err(SceneError::new(self.path, Place::File, "no model is named", remedy));
         }
         Ok(SceneFile { model, overrides, materials, objects, instances })
+    }
+
+    /// The error about an entry of the whole file that is no known section: a section, or a key outside of all.
+    fn unknown(&self, entry: &Entry<'_>) -> SceneError {
+        let name = entry.name;
+        let is_section = match entry.value {
+            DeValue::Table(_) => true,
+            DeValue::Array(items) => items.iter().any(|item| matches!(item.get_ref(), DeValue::Table(_))),
+            _ => false,
+        };
+        if is_section {
+            let known = [SECTIONS, TABLES].concat();
+            return self.error(entry.at.start, format!("unknown section {name:?}"), suggestion(name, &known));
+        }
+        let remedy = match SECTIONS.iter().find(|section| Overrides::keys(section).contains(&name)) {
+            _ if ["file", "model"].contains(&name) => {
+                let written = self.text.get(entry.value_at.clone()).unwrap_or_default();
+                format!("name the model in its section: [scene] on a line, then file = {}", shortened(written))
+            }
+            Some(section) => format!("write it in its section: below [{section}]"),
+            None => format!("every key is in a section: {}", SECTIONS.map(|section| format!("[{section}]")).join(", ")),
+        };
+        self.error(entry.at.start, format!("the key {name:?} is in no section"), remedy)
     }
 
     /// Sets the option of `entry` in `section`; returns whether there is one.
