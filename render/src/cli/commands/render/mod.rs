@@ -2,18 +2,20 @@
 
 mod pictures;
 mod report;
+mod resumed;
+mod sequence;
 mod statistics;
 mod summary;
 mod watch;
 
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use super::cache::{cached_options, read_cache};
-use crate::cache::{Cache, missed_accuracy};
+use crate::cache::missed_accuracy;
 use crate::cli::args::RenderArguments;
-use crate::cli::checkpoint::{Checkpoint, read_film};
+use crate::cli::checkpoint::Checkpoint;
 use crate::cli::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT, invalid};
 use crate::cli::messages::{Style, print_text};
 use crate::cli::prepare::{prepare, thread_pool};
@@ -32,6 +34,8 @@ use crate::settings::{Integrator, Settings};
 use crate::world::World;
 use pictures::{is_black, is_exr, shown_name, without_aov};
 pub(crate) use pictures::{refuse_failures, write_all};
+use resumed::{begun, more_samples};
+use sequence::sequence;
 use statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
 use summary::{End, RenderReport, Told};
 use watch::RenderWatch;
@@ -42,33 +46,6 @@ pub(crate) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
         Some(frames) => sequence(arguments, frames),
         None => render(arguments, &Told::default()),
     }
-}
-
-/// Renders frames one after the other, each written when it is done.
-fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> Result<u8, CliError> {
-    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    arguments.check_skipping()?;
-    let mut code = EXIT_DONE;
-    let told = Told::default();
-    for frame in frames {
-        let arguments = arguments.of_frame(frame)?;
-        // A file without a byte is what a full disk or a failed copy leaves.
-        let is_there = |path: &PathBuf| path.metadata().is_ok_and(|file| file.len() > 0);
-        if arguments.sequence.skip_existing && arguments.outputs()?.iter().all(is_there) {
-            print_text(style, &format!("frame {frame} is there"));
-            continue;
-        }
-        if interrupt::requested() {
-            return Ok(EXIT_INTERRUPTED);
-        }
-        print_text(style, &format!("frame {frame}"));
-        match render(&arguments, &told)? {
-            EXIT_INTERRUPTED => return Ok(EXIT_INTERRUPTED),
-            EXIT_LIMIT => code = EXIT_LIMIT,
-            _ => {}
-        }
-    }
-    Ok(code)
 }
 
 /// Renders a picture. Warnings that were `told` about other pictures of a sequence are not printed again.
@@ -268,40 +245,6 @@ fn render(arguments: &RenderArguments, told: &Told) -> Result<u8, CliError> {
         End::Done => EXIT_DONE,
         End::Interrupted => EXIT_INTERRUPTED,
         End::Limit => EXIT_LIMIT,
-    })
-}
-
-/// The film that was begun, if there is one; refuses that of another picture.
-fn begun(
-    path: &Path,
-    world: &World,
-    settings: &Settings,
-    cache: Option<&Cache>,
-    style: Style,
-) -> Result<Option<Film>, CliError> {
-    if !path.exists() {
-        print_text(style, &format!("{} is not there yet: the render begins", path.display()));
-        return Ok(None);
-    }
-    let film = read_film(path)?;
-    let expected = driver::film_header(world, settings, cache);
-    film.header().check(&expected).map_err(|error| CliError::input(error.naming(&path.display().to_string())))?;
-    let samples = film.samples();
-    print_text(
-        style,
-        &format!("going on with {}: {} to {} samples a pixel", path.display(), samples.start, samples.end),
-    );
-    Ok(Some(film))
-}
-
-/// The warning about a film that has more samples than are asked for: none can be taken out of its sums.
-fn more_samples(film: &Film, spp: u32) -> Option<String> {
-    let most = film.samples().end;
-    (most > spp).then(|| {
-        let samples = count(most as usize, "sample", "samples");
-        format!(
-            "the film has {samples} a pixel already, more than --spp {spp}: the picture is written with all of them"
-        )
     })
 }
 
