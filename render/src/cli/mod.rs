@@ -76,6 +76,11 @@ fn suggest(error: &mut clap::Error) {
     let meant = NAMES.iter().find(|(name, _)| name == given);
     if let (ErrorKind::UnknownArgument, Some((_, meant))) = (error.kind(), meant) {
         error.insert(ContextKind::SuggestedArg, ContextValue::String((*meant).to_owned()));
+        // The usage shows the option that was suggested by its spelling.
+        if let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) {
+            let usage = usage.to_string().replace("--sampler <NAME>", "--spp <N>");
+            error.insert(ContextKind::Usage, ContextValue::StyledStr(usage.into()));
+        }
     }
 }
 

@@ -50,7 +50,7 @@ fn warning(events: &[Event], aov: &str, label: &str, place: usize) -> String {
         Some(name) => format!("did you mean '{name}'?"),
         None => format!("known are {}", listed(&names.iter().map(|name| format!("'{name}'")).collect::<Vec<_>>())),
     };
-    format!("{begin}, so this part of the expression matches no light; {hint}")
+    format!("{begin}, so the label matches nothing; {hint}")
 }
 
 /// The place of a label in an event.

@@ -74,7 +74,11 @@ fn negative_values() {
 #[test]
 fn names_that_other_renderers_have_for_options() {
     let desk = Desk::new();
-    desk.refuses("render t.obj --samples 3 -o a.exr", 1, &["unexpected argument '--samples'", "'--spp'"]);
+    desk.refuses(
+        "render t.obj --samples 3 -o a.exr",
+        1,
+        &["unexpected argument '--samples'", "'--spp'", "render --spp <N>"],
+    );
 }
 
 #[test]

@@ -245,7 +245,9 @@ impl Parser<'_> {
                     let problem = format!("unknown key {:?} in [{}]", entry.name, section.name);
                     let mut keys = Overrides::keys(section.name);
                     keys.extend((section.name == "scene").then_some("file"));
-                    return Err(self.error(entry.at.start, problem, suggestion(entry.name, &keys)));
+                    // Far from `file` in spelling, but nothing else can be meant.
+                    let name = if (section.name, entry.name) == ("scene", "model") { "file" } else { entry.name };
+                    return Err(self.error(entry.at.start, problem, suggestion(name, &keys)));
                 }
             }
         }

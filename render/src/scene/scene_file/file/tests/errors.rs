@@ -28,6 +28,7 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
         (problem, remedy)
     };
     assert_eq!(of("model = \"a.glb\""), (model.0.to_owned(), model.1.to_owned()));
+    assert_eq!(of("[scene]\nmodel = \"a.glb\"").1, "did you mean `file`?");
     assert_eq!(of("spp = 3").1, "write it in its section: below [render]");
     assert!(of("nothing = 3").1.starts_with("every key is in a section: [scene], [camera]"));
     assert_eq!(of("scene = \"a.glb\"").1, "write [scene] on a line, then file = \"a.glb\"");
