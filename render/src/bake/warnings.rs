@@ -10,7 +10,7 @@ use crate::world::World;
 
 /// Warnings about a model to be baked, a line each; `world` must be of `scene`.
 pub fn model_warnings(scene: &Scene, world: &World) -> Vec<String> {
-    let mut warnings: Vec<String> = world.dropped(scene.files.first().map(PathBuf::as_path)).into_iter().collect();
+    let mut warnings = world.dropped(scene.files.first().map(PathBuf::as_path));
     let names: Vec<String> = world.inside_out().into_iter().map(|mesh| world.mesh_name(mesh)).collect();
     if !names.is_empty() {
         let file = scene.files.first().map(|file| format!("{}: ", file.display())).unwrap_or_default();

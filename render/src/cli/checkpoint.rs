@@ -1,11 +1,12 @@
 //! A render's film on disk: read to resume it, written periodically and at the end, by one run at a time.
 
-use std::fs::{self, File, TryLockError};
-use std::path::{Path, PathBuf};
+use std::fs;
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
 use super::error::{CliError, invalid};
+use super::lock::Lock;
 use super::messages::{Style, print_warning};
 use crate::film::Film;
 use crate::output::OutputFile;
@@ -23,25 +24,11 @@ pub(super) struct Checkpoint {
     _lock: Lock,
 }
 
-/// Keeps other runs from the same film.
-#[derive(Debug)]
-struct Lock {
-    path: PathBuf,
-    _file: File,
-}
-
-impl Drop for Lock {
-    fn drop(&mut self) {
-        // The lock is released with or without the file.
-        let _ = fs::remove_file(&self.path);
-    }
-}
-
 impl Checkpoint {
     /// Takes hold of a film's place.
     pub(super) fn new(path: &Path, interval: Duration) -> Result<Self, CliError> {
         let file = OutputFile::check(path).map_err(CliError::input)?;
-        let lock = lock(path)?;
+        let lock = Lock::new(path, "rendering this film")?;
         let due = AtomicU64::new(milliseconds(interval));
         Ok(Self { file, interval, start: Instant::now(), due, has_failed: AtomicBool::new(false), _lock: lock })
     }
@@ -69,22 +56,6 @@ pub(super) fn read_film(path: &Path) -> Result<Film, CliError> {
         invalid(format!("{name}: cannot be read: {error}"), "name a film (.hdf) of `halfdome render`")
     })?;
     Film::decode(&bytes).map_err(|error| CliError::input(error.naming(&name)))
-}
-
-fn lock(path: &Path) -> Result<Lock, CliError> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".lock");
-    let path = PathBuf::from(name);
-    let file = File::create(&path)
-        .map_err(|error| CliError::System(format!("{}: cannot be written: {error}", path.display())))?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(invalid(
-            format!("{}: another run is rendering this film", path.display()),
-            "wait for it, stop it, or give this run a film of its own",
-        )),
-        // Some network file systems do not support locks.
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(Lock { path, _file: file }),
-    }
 }
 
 fn milliseconds(duration: Duration) -> u64 {

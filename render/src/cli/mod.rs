@@ -8,6 +8,7 @@ mod denoiser;
 mod error;
 mod inputs;
 mod interrupt;
+mod lock;
 mod memory;
 mod messages;
 mod prepare;
@@ -20,6 +21,7 @@ use std::process::ExitCode;
 
 use halfdome_kernel::{Isa, Level};
 
+use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};
 
 use command::{Arguments, Command};
@@ -33,7 +35,8 @@ use messages::Mode;
 pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
-        Err(error) => {
+        Err(mut error) => {
+            suggest(&mut error);
             // Help and version are "errors" that go to stdout; nothing is left to do if even printing fails.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
@@ -64,6 +67,21 @@ pub fn main() -> ExitCode {
         error.print(mode);
         error.exit_code()
     }))
+}
+
+/// Suggests the option that is meant by the name that other renderers have for it: the nearest spelling may be another.
+fn suggest(error: &mut clap::Error) {
+    const NAMES: [(&str, &str); 2] = [("--samples", "--spp"), ("--resolution", "--size")];
+    let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return };
+    let meant = NAMES.iter().find(|(name, _)| name == given);
+    if let (ErrorKind::UnknownArgument, Some((_, meant))) = (error.kind(), meant) {
+        error.insert(ContextKind::SuggestedArg, ContextValue::String((*meant).to_owned()));
+        // The usage shows the option that was suggested by its spelling.
+        if let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) {
+            let usage = usage.to_string().replace("--sampler <NAME>", "--spp <N>");
+            error.insert(ContextKind::Usage, ContextValue::StyledStr(usage.into()));
+        }
+    }
 }
 
 /// Refuses a `HALFDOME_ISA` that this machine does not have: the kernel would pass over it in silence.

@@ -11,6 +11,7 @@ mod history;
 mod levels;
 mod mattes;
 mod motion_vectors;
+mod option_names;
 mod plan;
 mod worker;
 

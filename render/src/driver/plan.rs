@@ -6,6 +6,7 @@
 //! favours pixels that are dark by chance; as a tile has a thousand pixels, and there is no test before
 //! [`MIN_SAMPLES`], this bias is small against the noise.
 
+use super::option_names;
 use crate::cache::Cache;
 use crate::film::{Film, FilmError, FilmHeader, MatteLayer, Tile};
 use crate::integrator;
@@ -52,11 +53,9 @@ pub fn film_header(world: &World, settings: &Settings, cache: Option<&Cache>) ->
         light_groups: _,
     } = settings;
     let aovs = integrator::aovs(world, settings);
-    let mut options = vec![
-        ("the pixel filter".to_owned(), format!("{filter:?}")),
-        ("the sampler".to_owned(), format!("{sampler:?}").to_lowercase()),
-        (format!("the options of the integrator {}", integrator.name()), format!("{integrator:?}")),
-    ];
+    let mut options = vec![("--sampler".to_owned(), format!("{sampler:?}").to_lowercase())];
+    options.extend(option_names::of_filter(filter));
+    options.extend(option_names::of_integrator(integrator));
     if *aov_through {
         options.push(("what AOVs show".to_owned(), "what mirrors and clear glass show".to_owned()));
     }

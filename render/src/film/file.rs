@@ -18,7 +18,7 @@ use crate::settings::Settings;
 pub const FILM_EXTENSION: &str = "hdf";
 
 const MAGIC: [u8; 8] = *b"halfdFLM";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const CHECKSUM: usize = 8;
 /// In place of the row of the first sample that is not a number, if there is none.
 const NONE: u32 = u32::MAX;

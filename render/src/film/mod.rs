@@ -26,6 +26,7 @@ pub use header::{FilmError, FilmHeader};
 pub use merge::{Merger, Missing};
 pub use picture::{Channel, Metadata, Picture};
 pub(crate) use planes::{COLORS, is_for_denoising};
+pub(crate) use sum::MAX as MAX_SAMPLE;
 pub use tile::BadSamples;
 pub(crate) use tile::{Extras, Features, FirstHit, TILE_SIDE, Tile, tiles};
 

@@ -58,13 +58,16 @@ pub(super) enum Lobe {
 pub(crate) fn aovs(world: &World, settings: &Settings) -> Vec<Aov> {
     let mut aovs = settings.aovs.clone();
     if settings.light_groups {
-        for group in world.light_groups() {
+        let (sky, groups) = world.light_groups();
+        let sky = sky.map(|label| (label, Expression::sky()));
+        let lamps = groups.into_iter().map(|label| (label.clone(), Expression::light_group(&label)));
+        for (group, expression) in sky.into_iter().chain(lamps) {
             let plain = |c: char| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' };
             let base: String = GROUP_PREFIX.chars().chain(group.chars().map(plain)).collect();
             let is_taken = |name: &str| aovs.iter().any(|aov| aov.name == name);
             let numbered = (2..).map(|number| format!("{base}_{number}"));
             let name = std::iter::once(base.clone()).chain(numbered).find(|name| !is_taken(name));
-            aovs.push(Aov { name: name.unwrap_or(base), expression: Expression::light_group(&group) });
+            aovs.push(Aov { name: name.unwrap_or(base), expression });
         }
     }
     aovs

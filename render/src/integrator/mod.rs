@@ -19,6 +19,7 @@ mod path_tree;
 mod shadow_queue;
 mod state;
 mod training;
+mod unmatched_labels;
 mod wavefront;
 
 use glam::Vec3;
@@ -37,6 +38,7 @@ pub(crate) use cached::{
     SAMPLED_SHARE, fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
 };
 pub(crate) use light_paths::{LightPaths, aovs, labels_hash};
+pub(crate) use unmatched_labels::unmatched_labels;
 pub(crate) use wavefront::Wavefront;
 
 /// Camera rays that are traced together, with unit directions, and their hits.

@@ -115,7 +115,7 @@ impl<T> Choice<T> {
         }
     }
 
-    fn symbols<'a>(&'a self, visit: &mut dyn FnMut(&'a T)) {
+    pub(super) fn symbols<'a>(&'a self, visit: &mut dyn FnMut(&'a T)) {
         match self {
             Self::Any => {}
             Self::Is(symbol) => visit(symbol),
@@ -131,20 +131,30 @@ impl Pattern {
         Self { kind: Choice::Is(Kind::CAMERA.0), ..Self::default() }
     }
 
-    /// Lights with this first label.
+    /// Lights with this first label, but for the sky.
     pub(super) fn light_group(label: &str) -> Self {
-        let kinds = [Kind::LIGHT, Kind::BACKGROUND].map(|kind| Choice::Is(kind.0));
-        Self { kind: Choice::AnyOf(kinds.into()), labels: vec![Choice::Is(label.to_owned())], ..Self::default() }
+        let labels = vec![Choice::Is(label.to_owned())];
+        Self { kind: Choice::Is(Kind::LIGHT.0), labels, ..Self::default() }
+    }
+
+    /// The sky.
+    pub(super) fn sky() -> Self {
+        Self { kind: Choice::Is(Kind::BACKGROUND.0), ..Self::default() }
     }
 
     /// Whether it has an event.
     pub(super) fn contains(&self, event: &Event) -> bool {
         let has_labels = self.labels.len() <= event.labels.len();
         let mut labels = self.labels.iter().zip(&event.labels);
-        self.kind.contains(&|kind| kind & event.kind.0 != 0)
+        self.has_kind_of(event)
             && self.scattering.contains(&|scattering| scattering & event.scattering.0 != 0)
             && has_labels
             && labels.all(|(choice, label)| choice.contains(&|it| it == label))
+    }
+
+    /// Whether it has events of this one's kind.
+    pub(super) fn has_kind_of(&self, event: &Event) -> bool {
+        self.kind.contains(&|kind| kind & event.kind.0 != 0)
     }
 
     /// Visits the labels that it names.

@@ -13,6 +13,7 @@ mod event;
 mod parse;
 #[cfg(test)]
 mod tests;
+mod unmatched;
 
 pub(crate) use automaton::{Alphabet, Automaton};
 use event::Pattern;
@@ -45,10 +46,18 @@ impl Expression {
         Ok(Self { text: text.to_owned(), node: parse::parse(text)? })
     }
 
-    /// All light of the lights whose first label this is.
+    /// All light of the lamps whose first label this is; never that of the sky.
     pub fn light_group(label: &str) -> Self {
-        let sequence = vec![Node::Event(Pattern::camera()), Node::anything(), Node::Event(Pattern::light_group(label))];
-        Self { text: format!("C.*<[LOB].{label:?}>"), node: Node::Sequence(sequence) }
+        Self::all_light(format!("C.*<L.{label:?}>"), Pattern::light_group(label))
+    }
+
+    /// All light of the sky.
+    pub fn sky() -> Self {
+        Self::all_light("C.*B".to_owned(), Pattern::sky())
+    }
+
+    fn all_light(text: String, of: Pattern) -> Self {
+        Self { text, node: Node::Sequence(vec![Node::Event(Pattern::camera()), Node::anything(), Node::Event(of)]) }
     }
 
     /// The text that it was parsed from.

@@ -175,10 +175,15 @@ fn expressions_mean_what_is_written_about_them() {
 
 #[test]
 fn light_groups_are_first_labels_of_lights() {
-    let group = Expression::light_group("sky");
-    let is = |light: usize| matches(&group, &[camera(), surfaces()[0].clone(), lights()[light].clone()]);
-    assert_eq!([0, 1, 2, 3].map(is), [false, false, false, true]);
-    assert!(!matches(&group, &[camera(), event(Kind::REFLECTION, Scattering::DIFFUSE, ["sky", "sky"])]));
+    let (key, of_sky, sky) = (Expression::light_group("key"), Expression::light_group("sky"), Expression::sky());
+    let is = |group: &Expression, light: Event| matches(group, &[camera(), surfaces()[0].clone(), light]);
+    let all = |group: &Expression| [0, 1, 2, 3].map(|light| is(group, lights()[light].clone()));
+    assert_eq!((all(&key), all(&sky)), ([true, false, false, false], [false, false, false, true]));
+    // A lamp of the sky's name is not the sky.
+    let lamp = Event { kind: Kind::LIGHT, scattering: Scattering::NONE, labels: vec!["sky".to_owned(); 2] };
+    assert_eq!(all(&of_sky), [false; 4]);
+    assert!(is(&of_sky, lamp.clone()) && !is(&sky, lamp));
+    assert!(!matches(&of_sky, &[camera(), event(Kind::REFLECTION, Scattering::DIFFUSE, ["sky", "sky"])]));
 }
 
 #[test]

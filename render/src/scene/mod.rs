@@ -42,6 +42,7 @@ pub use material::{
 pub use meshes::mesh_point::{MeshPoint, ShadingFrame, ShadingInputs};
 pub(crate) use meshes::position::{Key, key};
 pub use meshes::turn::Turn;
+pub(crate) use nearest::nearest;
 pub use scene_file::file::{SceneFile, open, open_watched, open_with};
 pub use scene_file::light_table::LightTable;
 pub use scene_file::material_table::MaterialTable;

@@ -2,7 +2,7 @@
 
 /// The entry of `known` nearest to `word` by Damerau and Levenshtein's distance, if it is near: at most a third of the
 /// word's letters, and at least one, may differ.
-pub(super) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
+pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     let allowed = (word.chars().count() / 3).max(1);
     let distances = known.iter().map(|&candidate| (strsim::damerau_levenshtein(&word, candidate), candidate));
@@ -15,6 +15,7 @@ pub(super) fn suggestion(word: &str, known: &[&str]) -> String {
     let longer: Vec<String> = known.iter().filter(is_part).map(|name| format!("`{name}`")).collect();
     match (nearest(word, known), longer.as_slice()) {
         (Some(near), _) => format!("did you mean `{near}`?"),
+        (None, []) if known.is_empty() => "there is none".to_owned(),
         (None, []) => format!("known are {}", known.join(", ")),
         (None, [names @ .., last]) if !names.is_empty() => format!("did you mean {} or {last}?", names.join(", ")),
         (None, [name, ..]) => format!("did you mean {name}?"),
@@ -37,6 +38,7 @@ mod tests {
         assert_eq!(suggestion("roughness", &["specular_roughness"]), "did you mean `specular_roughness`?");
         let known_roughnesses = ["coat_roughness", "roughness_map", "weight"];
         assert_eq!(suggestion("roughness", &known_roughnesses), "did you mean `coat_roughness` or `roughness_map`?");
+        assert_eq!(suggestion("bokeh", &[]), "there is none");
         assert_eq!(suggestion("bokeh", &known), "known are width, height, filter, filter_width");
     }
 }

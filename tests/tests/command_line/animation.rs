@@ -97,4 +97,30 @@ fn wrong_sequences_are_refused() {
     desk.refuses("render m.glb --frames 3..2", 1, &["frames go upwards"]);
     desk.refuses("render m.glb --frames 1..2 --frame 1", 1, &["--frame"]);
     desk.refuses("render m.glb --step 2", 1, &["--frames"]);
+    for option in ["--resume", "--checkpoint"] {
+        let told = format!("--skip-existing does not go with {option}: an interrupted frame has a picture");
+        desk.refuses(
+            &format!("render m.glb --frames 1..2 --skip-existing {option}"),
+            1,
+            &[&told, "leave --skip-existing out"],
+        );
+    }
+}
+
+#[test]
+fn an_empty_picture_is_no_frame_that_is_there() {
+    let desk = desk();
+    desk.program().put("f.1.exr", "");
+    let line = format!("render m.glb {CAMERA} --frames 1..1 --skip-existing -o f.#.exr");
+    let outcome = desk.run(&line);
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert!(!std::fs::read(desk.folder.path().join("f.1.exr")).unwrap().is_empty());
+}
+
+#[test]
+fn a_warning_of_all_frames_is_printed_once() {
+    let desk = desk();
+    let outcome = desk.run(&format!("render m.glb {CAMERA} --frames 1..3 --aov -o f.#.png --progress none"));
+    assert_eq!(outcome.code, Some(0), "{}", outcome.stderr);
+    assert_eq!(outcome.stderr.matches("AOVs were requested, but PNG has none").count(), 1, "{}", outcome.stderr);
 }

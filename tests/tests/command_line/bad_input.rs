@@ -55,6 +55,41 @@ fn options_of_a_bake_that_contradict_each_other() {
     assert_eq!(desk.run(&format!("{bake} --spp 1 --brute --record-rays 64 --layout hemicube")).code, Some(0));
 }
 
+/// Values that begin with a hyphen are told to be wrong, not taken for options.
+#[test]
+fn negative_values() {
+    let desk = Desk::new();
+    for (option, expected) in [
+        ("--noise -1%", "expected a relative error"),
+        ("--time -3s", "expected a time"),
+        ("--integrator ao --ao-distance -1", "expected a number more than 0"),
+        ("--max-depth -2", "expected a whole number"),
+        ("--shard -1/2", "expected K/N"),
+    ] {
+        desk.refuses(&format!("render t.obj {option} -o a.exr"), 1, &[expected]);
+    }
+    desk.refuses("bake t.obj -o out.obj --mode ao --ao-distance -1", 1, &["expected a number greater than 0"]);
+}
+
+#[test]
+fn names_that_other_renderers_have_for_options() {
+    let desk = Desk::new();
+    desk.refuses(
+        "render t.obj --samples 3 -o a.exr",
+        1,
+        &["unexpected argument '--samples'", "'--spp'", "render --spp <N>"],
+    );
+}
+
+#[test]
+fn a_picture_of_charts_is_a_png() {
+    let desk = Desk::new();
+    for name in ["x.jpg", "x", "x.exr"] {
+        let parts = [&format!("{name}: the picture of --check-uv is a PNG"), "ends in .png"];
+        desk.refuses(&format!("bake t.obj --check-uv={name} --size 16"), 1, &parts);
+    }
+}
+
 #[test]
 fn reports_that_are_no_html() {
     let desk = Desk::new();

@@ -153,7 +153,7 @@ fn what_is_killed_loses_nothing_but_the_time_since_its_checkpoint() {
             let other = desk.program().run_line(&line);
             assert!(other.code == Some(1) || run.try_wait().unwrap().is_some(), "{}", other.stderr);
             if other.code == Some(1) {
-                assert!(other.stderr.contains("a.hdf.lock: another run is rendering this film"), "{}", other.stderr);
+                assert!(other.stderr.contains("a.hdf: another run is rendering this film"), "{}", other.stderr);
             }
         }
         run.kill().unwrap();
@@ -163,8 +163,21 @@ fn what_is_killed_loses_nothing_but_the_time_since_its_checkpoint() {
     }
     desk.ends(0, &line);
     assert!(desk.bytes("a.exr") == desk.bytes("whole.exr"));
-    let names: Vec<_> = desk.program().files().into_keys().collect();
+    // What is killed while it writes leaves a temporary file.
+    let names: Vec<_> =
+        desk.program().files().into_keys().filter(|name| !name.to_string_lossy().starts_with(".halfdome-")).collect();
     assert_eq!(names, ["a.exr", "a.hdf", "check.hdf", "t.obj", "whole.exr"]);
+}
+
+#[test]
+fn more_samples_than_are_asked_for_are_told() {
+    let desk = Desk::new();
+    let scene = "render cornell --size 16x12 --progress none --resume -o a.exr";
+    desk.ends(0, &format!("{scene} --spp 9"));
+    let told = desk.ends(0, &format!("{scene} --spp 4"));
+    assert!(told.contains("warning: the film has 9 samples a pixel already, more than --spp 4"), "{told}");
+    assert!(!desk.ends(0, &format!("{scene} --spp 9")).contains("already"));
+    desk.refuses(&format!("{scene} --spp 9 --max-depth 3"), 1, &["a.hdf", "--max-depth is 1024, not 3"]);
 }
 
 /// The root mean square of the relative errors is that of the picture against many samples, and nothing gets darker.
@@ -218,18 +231,18 @@ fn what_does_not_fit_is_named() {
     let film = desk.bytes("one.hdf");
     desk.program().put("cut.hdf", &film[..film.len() / 2]);
     let mut newer = film.clone();
-    newer[8] = 4;
+    newer[8] = 5;
     desk.program().put("newer.hdf", newer);
     desk.program().put("text.hdf", "no film");
     for (films, parts) in [
         ("one.hdf", &["3 of 6 tiles are missing", "pixels 32..64 by 0..32", "name all parts"][..]),
         ("one.hdf third.hdf", &["one.hdf and third.hdf both have the samples 0..2 of the pixels 0..32 by 0..32"]),
         ("one.hdf seed.hdf", &["seed.hdf: the film is of another picture: the seed is 7, not 0"]),
-        ("one.hdf depth.hdf", &["depth.hdf", "the options of the integrator path", "max_depth: 3"]),
+        ("one.hdf depth.hdf", &["depth.hdf", "--max-depth is 3, not 1024"]),
         ("one.hdf camera.hdf", &["camera.hdf", "the camera has changed"]),
         ("one.hdf scene.hdf", &["scene.hdf", "the scene has changed"]),
         ("one.hdf cut.hdf", &["cut.hdf: is cut off or damaged"]),
-        ("newer.hdf", &["newer.hdf: is a film of format 4, and this program reads format 3"]),
+        ("newer.hdf", &["newer.hdf: is a film of format 5, and this program reads format 4"]),
         ("text.hdf", &["text.hdf: is no film"]),
         ("none.hdf", &["none.hdf: cannot be read"]),
     ] {

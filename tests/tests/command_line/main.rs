@@ -2,6 +2,7 @@
 
 mod animation;
 mod bad_input;
+mod bakes;
 mod films;
 mod good_input;
 mod inputs;

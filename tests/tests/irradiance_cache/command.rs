@@ -149,7 +149,7 @@ fn bad_input_is_named() {
             );
         }
         refused("cache build cornell -o a --cache-bounces 0", &["--cache-bounces", "from 1 to 16"]);
-        refused("render cornell --metric hessian", &["`path` does not use `metric`"]);
+        refused("render cornell --metric hessian", &["`path` does not use --metric"]);
         refused("cache build cornell -o a --integrator path", &["`path` does not use an irradiance cache"]);
         refused("cache build cornell -o no/a", &["the folder no does not exist"]);
 

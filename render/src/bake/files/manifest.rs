@@ -105,11 +105,14 @@ pub struct Output {
 }
 
 impl Manifest {
+    /// This version of this program.
+    pub const GENERATOR: &str = concat!("halfdome ", env!("CARGO_PKG_VERSION"));
+
     /// Nothing yet, by this version of this program.
     pub fn new(source: String, unit: Unit, seed: u64, made_from: Hashes) -> Self {
         Self {
             version: VERSION,
-            generator: concat!("halfdome ", env!("CARGO_PKG_VERSION")).to_owned(),
+            generator: Self::GENERATOR.to_owned(),
             source,
             unit,
             exposure: 1.0,

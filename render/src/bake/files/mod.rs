@@ -5,6 +5,7 @@ pub(super) mod checkpoint;
 pub mod gltf;
 pub(super) mod hashes;
 pub mod manifest;
+pub(super) mod moved;
 pub mod obj;
 pub(super) mod picture;
 pub mod report;

@@ -1,24 +1,38 @@
 //! Wavefront OBJ with lightmap coordinates as its `vt`, for pipelines without glTF.
 //!
 //! Positions are the scene's, in world space. OBJ counts v from below, so it is turned; the page of a group is in its
-//! name.
+//! name. Materials are those of the libraries that the old model names, if it is an OBJ.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
-use crate::bake::layout::atlas::Atlas;
+use crate::bake::layout::atlas::{Atlas, Part};
 use crate::scene::Scene;
 
-/// The text of the file: an object for each part, named after its mesh.
-pub fn write(scene: &Scene, atlas: &Atlas) -> String {
+/// The text of the file: an object for each part, with the name of its mesh, and a number behind it if other parts have
+/// that name. `libraries` are the material libraries, as the file is to name them.
+pub fn write(scene: &Scene, atlas: &Atlas, libraries: &[String]) -> String {
     let mut text = "# texture coordinates are those of the lightmap\n".to_owned();
+    for library in libraries {
+        let _ = writeln!(text, "mtllib {library}");
+    }
+    let mut parts_of: BTreeMap<&str, usize> = BTreeMap::new();
+    for part in &atlas.parts {
+        *parts_of.entry(&scene.meshes[part.mesh].name).or_default() += 1;
+    }
     let (mut first, mut first_normal) = (1, 1);
-    for (number, part) in atlas.parts.iter().enumerate() {
+    let material = |part: &Part| &scene.materials[scene.meshes[part.mesh].material].name;
+    // A name of a material holds until the next one, so parts without come first.
+    let mut parts: Vec<(usize, &Part)> = atlas.parts.iter().enumerate().collect();
+    parts.sort_by_key(|(_, part)| !material(part).is_empty());
+    for (number, part) in parts {
         let mesh = &scene.meshes[part.mesh];
-        let name = if mesh.name.is_empty() { format!("mesh{}", part.mesh) } else { one_word(&mesh.name) };
-        let _ = writeln!(text, "o {name}.{number}\ng page{}", part.page);
-        let material = &scene.materials[mesh.material].name;
+        let name = if mesh.name.is_empty() { format!("mesh{}", part.mesh) } else { one_line(&mesh.name) };
+        let number = if parts_of[mesh.name.as_str()] > 1 { format!(".{number}") } else { String::new() };
+        let _ = writeln!(text, "o {name}{number}\ng page{}", part.page);
+        let material = material(part);
         if !material.is_empty() {
-            let _ = writeln!(text, "usemtl {}", one_word(material));
+            let _ = writeln!(text, "usemtl {}", one_line(material));
         }
         for vertex in &part.vertices {
             let p = mesh.positions[vertex.source as usize];
@@ -47,7 +61,7 @@ pub fn write(scene: &Scene, atlas: &Atlas) -> String {
     text
 }
 
-/// A name without spaces, which would end it.
-fn one_word(name: &str) -> String {
-    name.split_whitespace().collect::<Vec<_>>().join("_")
+/// A name without the ends of lines, which would end it.
+fn one_line(name: &str) -> String {
+    name.split(['\n', '\r']).collect::<Vec<_>>().join("_")
 }

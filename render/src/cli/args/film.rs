@@ -18,12 +18,12 @@ const INTERVAL: &str = "10m";
 pub(in crate::cli) struct FilmArguments {
     /// Stop each tile at this relative error, estimated from its own samples, for example 2%; --spp is the limit, after
     /// which the exit code is 4
-    #[arg(long, value_name = "ERROR", value_parser = part)]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = part)]
     pub(in crate::cli) noise: Option<f64>,
 
     /// Stop after this time, for example 90s, 30m or 8h, with the picture so far and exit code 4; the picture then
     /// depends on the machine's speed
-    #[arg(long, value_name = "TIME", value_parser = duration)]
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, value_parser = duration)]
     pub(in crate::cli) time: Option<Duration>,
 
     /// Write the film so far every INTERVAL, so that --resume can continue it: to the output that ends in .hdf, or the
@@ -37,12 +37,12 @@ pub(in crate::cli) struct FilmArguments {
     pub(in crate::cli) resume: bool,
 
     /// Render part K of N, 1 to N, as a film (-o PART.hdf); `halfdome merge` makes the picture of all parts
-    #[arg(long, value_name = "K/N", value_parser = shard)]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true, value_parser = shard)]
     shard: Option<Shard>,
 
     /// Begin with sample number N of each pixel, in a film (-o PART.hdf) to be merged with films of the earlier
     /// samples; --spp is the end
-    #[arg(long, value_name = "N", default_value = "0")]
+    #[arg(long, value_name = "N", default_value = "0", allow_hyphen_values = true)]
     pub(in crate::cli) first_sample: u32,
 }
 

@@ -19,7 +19,7 @@ pub(crate) struct LightArguments {
     moment: MomentOverrides,
 
     /// Seed of the random numbers [default: 0]
-    #[arg(long, value_name = "N", help_heading = "Light")]
+    #[arg(long, value_name = "N", help_heading = "Light", allow_hyphen_values = true)]
     pub(crate) seed: Option<u64>,
 }
 

@@ -26,7 +26,7 @@ use sequence::numbered;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct OverrideArguments {
     /// Pixels across and down, for example 1280x720 [default: 512x512]
-    #[arg(long, value_name = "WxH", help_heading = "Film", conflicts_with_all = ["width", "height"])]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, help_heading = "Film", conflicts_with_all = ["width", "height"])]
     #[arg(value_parser = size)]
     size: Option<(u32, u32)>,
 
@@ -122,7 +122,7 @@ pub(crate) struct ToneArguments {
 #[derive(Args, Clone, Debug)]
 pub(crate) struct CommonArguments {
     /// Number of threads; results are the same for any number [default: one per core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 
     /// How to show progress on stderr; auto is a bar on a terminal, lines of JSON elsewhere
@@ -184,6 +184,21 @@ impl RenderArguments {
         };
         one.overriding.overrides.moment.frame = Some(frame.into());
         Ok(one)
+    }
+
+    /// Refuses `--skip-existing` where frames that are there may be unfinished.
+    pub(crate) fn check_skipping(&self) -> Result<(), Invalid> {
+        if !self.sequence.skip_existing || self.film.interval().is_none() {
+            return Ok(());
+        }
+        let (option, remedy) = match self.film.resume {
+            true => ("--resume", "leave --skip-existing out: --resume goes on with the film of each frame"),
+            false => ("--checkpoint", "leave --skip-existing out and give --resume, which goes on with each frame"),
+        };
+        let problem = format!(
+            "--skip-existing does not go with {option}: an interrupted frame has a picture, and would be taken for a whole one"
+        );
+        Err(Invalid::new(problem, remedy))
     }
 
     /// The report and statistics files.

@@ -17,12 +17,13 @@ pub(in crate::cli) struct SequenceArguments {
     pub(in crate::cli) frames: Option<RangeInclusive<i32>>,
 
     /// Render every Nth of the frames
-    #[arg(long, value_name = "N", default_value = "1", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value = "1", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     #[arg(requires = "frames")]
     step: u32,
 
-    /// Skip frames whose pictures all exist; otherwise they are rendered again
-    #[arg(long, requires = "frames", conflicts_with_all = ["checkpoint", "resume"])]
+    /// Skip frames whose pictures all exist and are not empty; otherwise they are rendered again. Not with --resume or
+    /// --checkpoint, with which an interrupted frame has a picture
+    #[arg(long, requires = "frames")]
     pub(in crate::cli) skip_existing: bool,
 }
 

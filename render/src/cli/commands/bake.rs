@@ -18,6 +18,7 @@ use crate::bake::{self, BakeOptions, Checkpoint, Coordinates, Directional, Mode,
 use crate::cli::args::light::LightArguments;
 use crate::cli::args::{CommonArguments, names, shard};
 use crate::cli::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, invalid};
+use crate::cli::lock::Lock;
 use crate::cli::messages::{Style, print_text, print_warning, warn};
 use crate::cli::prepare::{CORNELL, Prepared, prepare_from, thread_pool};
 use crate::cli::progress::Progress;
@@ -65,7 +66,7 @@ pub(crate) struct BakeArguments {
     directional: Directional,
 
     /// Samples of direct light per texel; with --mode ao, rays per texel
-    #[arg(long, value_name = "N", conflicts_with = "accuracy", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     /// Gather at every texel, without an irradiance cache, with the rays of a record
@@ -73,7 +74,7 @@ pub(crate) struct BakeArguments {
     brute: bool,
 
     /// --mode ao: hits farther away than this do not occlude [default: unlimited]
-    #[arg(long, value_name = "D", value_parser = positive)]
+    #[arg(long, value_name = "D", allow_hyphen_values = true, value_parser = positive)]
     ao_distance: Option<f32>,
 
     /// Denoise the maps, each chart on its own
@@ -81,12 +82,12 @@ pub(crate) struct BakeArguments {
     denoise: bool,
 
     /// Largest width and height of a page in texels
-    #[arg(long, value_name = "TEXELS", default_value = "1024", help_heading = "Layout")]
+    #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, default_value = "1024", help_heading = "Layout")]
     #[arg(value_parser = clap::value_parser!(u32).range(i64::from(BakeOptions::MIN_SIZE)..=i64::from(BakeOptions::MAX_SIZE)))]
     size: u32,
 
     /// Texels per unit of length, on as many pages as that takes [default: what fits on one page]
-    #[arg(long, value_name = "TEXELS_PER_UNIT", help_heading = "Layout", value_parser = positive)]
+    #[arg(long, value_name = "TEXELS_PER_UNIT", allow_hyphen_values = true, help_heading = "Layout", value_parser = positive)]
     density: Option<f32>,
 
     /// How the engine will filter the maps: bilinear or bicubic
@@ -95,7 +96,7 @@ pub(crate) struct BakeArguments {
     sampling: Sampling,
 
     /// Least distance between charts in texels [default: 2; 4 with --sampling bicubic]
-    #[arg(long, value_name = "TEXELS", help_heading = "Layout")]
+    #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, help_heading = "Layout")]
     #[arg(value_parser = clap::value_parser!(u32).range(1..=i64::from(BakeOptions::MAX_GUTTER)))]
     gutter: Option<u32>,
 
@@ -130,7 +131,7 @@ pub(crate) struct BakeArguments {
     /// Bake shard K of N, 1 to N, of the texels without an irradiance cache, and write a state (-o PART.state): direct
     /// light, ambient occlusion, all light with --brute. `halfdome merge` joins the states; with the result beside the
     /// output, --resume does the rest
-    #[arg(long, value_name = "K/N", value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true, value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
     shard: Option<Shard>,
 
     /// Write an HTML report: charts, density, records and errors
@@ -213,6 +214,8 @@ pub(crate) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
         return run_shard(arguments, (output, overrides), shard, (&pool, style));
     }
     let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
+    // Two bakes would replace each other's state, and one would end with the maps of the other.
+    let _lock = Lock::new(output, "baking this model")?;
     let named = files.named();
     let Prepared { mut scene, settings, eye, .. } =
         pool.install(|| prepare_from(&arguments.scene, overrides, &named, style))?;
@@ -248,7 +251,11 @@ fn bake(
 ) -> Result<u8, CliError> {
     let hashes = files.hashes(&scene, options);
     if let Ok(old) = Manifest::read(&files.manifest) {
-        let changes = hashes.changes_since(&old.made_from);
+        let mut changes = hashes.changes_since(&old.made_from);
+        if old.generator != Manifest::GENERATOR {
+            // Another version may find other light, and lay charts out in another way.
+            changes.insert(0, format!("the maps are by {:?}, and this is {}", old.generator, Manifest::GENERATOR));
+        }
         if !changes.is_empty() {
             // Any surface may reflect light to any other.
             print_text(

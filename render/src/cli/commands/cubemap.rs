@@ -48,20 +48,20 @@ pub(crate) struct CubemapArguments {
     outputs: Vec<PathBuf>,
 
     /// Width of a face of the first level in texels, a power of two
-    #[arg(long, value_name = "TEXELS", default_value = "256", value_parser = side)]
+    #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, default_value = "256", value_parser = side)]
     size: u32,
 
     /// Number of levels, each half as wide as the one before [default: down to 4 texels]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=12))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=12))]
     levels: Option<u32>,
 
     /// Standard error of a texel of the first level, in a scene: relative to its radiance, or to the mean radiance
     /// around it if that is more. Paths are traced until it is reached [default: 5%]
-    #[arg(long, value_name = "ERROR", value_parser = value::argument(value::accuracy), conflicts_with = "spp")]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = value::argument(value::accuracy), conflicts_with = "spp")]
     accuracy: Option<f32>,
 
     /// Paths per texel of the first level, in a scene, instead of an accuracy
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
     /// How to hide seams from filters that stay within a face: none (for hardware that filters across edges), stretch

@@ -44,7 +44,7 @@ pub(crate) struct IrradianceArguments {
     brute: bool,
 
     /// Samples of direct light per sensor [default: 64]; with --brute, paths per sensor [default: 1024]
-    #[arg(long, value_name = "N", conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
     /// Leave direct light out: only light reflected by surfaces, and the sky without the sun of its environment map
@@ -57,7 +57,7 @@ pub(crate) struct IrradianceArguments {
 
     /// Compute only shard K of N, 1 to N: every N-th sensor. `halfdome merge` joins the files of all shards (-o). Each
     /// shard fills a cache for all sensors; --cache avoids that
-    #[arg(long, value_name = "K/N", value_parser = shard, requires = "output")]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true, value_parser = shard, requires = "output")]
     shard: Option<Shard>,
 
     #[command(flatten)]

@@ -14,6 +14,7 @@ pub(super) mod punctual;
 pub(super) mod sky;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
@@ -94,6 +95,8 @@ pub struct Mesh {
     /// Whether it is added to the model, as a lamp or an object by a scene file, or as balls or tubes for points or
     /// lines: it gets no lightmap.
     pub is_added: bool,
+    /// The place in a scene file that added it, for messages: file and line of its object.
+    pub added_at: Option<Arc<str>>,
 }
 
 /// A mesh's place in a glTF file. Its vertices are the primitive's, in their order.

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder as _};
 
+use crate::film::MAX_SAMPLE;
 use crate::scene::{Place, SceneError};
 
 /// The light from outside the scene; black by default.
@@ -92,6 +93,15 @@ impl SkyPicture {
         }
         let texels = texels.into_iter().map(|texel| texel.max(Vec3::ZERO)).collect();
         Ok(Self::new(width, height, texels))
+    }
+
+    /// How many texels are brighter than what a sample of a picture holds, and the first of them: its column, row and
+    /// radiance.
+    pub(crate) fn beyond_samples(&self) -> Option<(usize, [usize; 2], f32)> {
+        let is_beyond = |texel: &&Vec3| f64::from(texel.max_element()) > MAX_SAMPLE;
+        let first = self.texels.iter().position(|texel| is_beyond(&texel))?;
+        let (width, radiance) = (self.width as usize, self.texels[first].max_element());
+        Some((self.texels.iter().filter(is_beyond).count(), [first % width, first / width], radiance))
     }
 
     /// The picture, turned about +y by an angle in degrees, counter-clockwise as seen from above.

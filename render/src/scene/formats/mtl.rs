@@ -131,7 +131,14 @@ impl Statements {
                 self.filter = Some(gloss.transmittance);
             }
             "Ke" => self.emission = Some(emission(statement)?),
-            "Ns" => [gloss.exponent] = statement.numbers()?,
+            "Ns" => {
+                let [exponent] = statement.numbers()?;
+                if exponent < 0.0 {
+                    warnings
+                        .push(statement.warning(format_args!("`Ns` is {exponent}, less than 0, and is taken for 0")));
+                }
+                gloss.exponent = exponent.max(0.0);
+            }
             "Ni" => {
                 [gloss.ior] = statement.numbers()?;
                 self.has_ior = true;

@@ -225,13 +225,18 @@ impl Parser<'_> {
                 continue;
             }
             if !SECTIONS.contains(&section.name) {
-                let problem = format!("unknown section {:?}", section.name);
-                let known = [SECTIONS, TABLES].concat();
-                return Err(self.error(section.at.start, problem, suggestion(section.name, &known)));
+                return Err(self.unknown(&section));
             }
             let DeValue::Table(table) = section.value else {
                 let problem = format!("`{}` is not a section", section.name);
-                return Err(self.error(section.at.start, problem, format!("write [{}] on a line", section.name)));
+                let written = self.text.get(section.value_at.clone()).unwrap_or_default();
+                let remedy = match (section.name, section.value) {
+                    ("scene", DeValue::String(_)) => {
+                        format!("write [scene] on a line, then file = {}", shortened(written))
+                    }
+                    (name, _) => format!("write [{name}] on a line"),
+                };
+                return Err(self.error(section.at.start, problem, remedy));
             };
             for entry in entries(table) {
                 if (section.name, entry.name) == ("scene", "file") {
@@ -240,7 +245,9 @@ impl Parser<'_> {
                     let problem = format!("unknown key {:?} in [{}]", entry.name, section.name);
                     let mut keys = Overrides::keys(section.name);
                     keys.extend((section.name == "scene").then_some("file"));
-                    return Err(self.error(entry.at.start, problem, suggestion(entry.name, &keys)));
+                    // Far from `file` in spelling, but nothing else can be meant.
+                    let name = if (section.name, entry.name) == ("scene", "model") { "file" } else { entry.name };
+                    return Err(self.error(entry.at.start, problem, suggestion(name, &keys)));
                 }
             }
         }
@@ -296,3 +303,4 @@ impl Parser<'_> {
 
 #[cfg(test)]
 mod tests;
+mod unknown;

@@ -48,6 +48,8 @@ pub struct LightTable {
     label: LightLabel,
     /// The file of its profile.
     file: Option<PathBuf>,
+    /// What is to be told about it.
+    warning: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +83,7 @@ impl LightTable {
     /// Adds the light to a scene.
     pub(crate) fn add_to(&self, scene: &mut Scene) {
         scene.files.extend(self.file.clone());
+        scene.warnings.extend(self.warning.clone());
         match &self.source {
             Source::Punctual(light) => scene.add_light(light.clone(), self.label.clone()),
             Source::Lamp(lamp) => lamp.add_to(scene),
@@ -111,7 +114,21 @@ impl<'a> Table<'a> {
             })?),
             Kind::Rectangle => Source::Lamp(self.lamp(self.rectangle()?)?),
         };
-        Ok(LightTable { source, label: self.label(), file: None })
+        Ok(self.finish(source, None))
+    }
+
+    /// The light of this source; one that is turned off by a mistake would only be missed in the picture.
+    fn finish(&self, source: Source, file: Option<PathBuf>) -> LightTable {
+        let strength = match &source {
+            Source::Lamp(lamp) => lamp.radiance,
+            Source::Punctual(light) => light.power().0,
+        };
+        let warning = (strength == Vec3::ZERO).then(|| {
+            let name = if self.name.is_empty() { String::new() } else { format!(" {:?}", self.name) };
+            let place = format!("{}:{}", self.reader.path.display(), self.reader.line(self.at));
+            format!("{place}: this {} light{name} has a strength of 0: it emits nothing", self.what)
+        });
+        LightTable { source, label: self.label(), file, warning }
     }
 
     fn label(&self) -> LightLabel {

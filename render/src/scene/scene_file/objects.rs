@@ -23,9 +23,11 @@ mod tables;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use glam::Affine3A;
 
+use crate::scene::error::count;
 use crate::scene::nearest::suggestion;
 use crate::scene::{Animation, Instance, LoadOptions, Mesh, Moment, Object, Place, Scene, SceneError, load_with};
 pub use tables::{InstanceTable, ObjectTable};
@@ -64,7 +66,8 @@ impl<'a> Objects<'a> {
         let mut loaded = BTreeMap::new();
         for ObjectTable { name, file, line } in tables {
             let model = load_with(file, &options)?;
-            if loaded.insert(name.as_str(), append(scene, model, name)).is_some() {
+            let place = format!("{}:{line}", path.display());
+            if loaded.insert(name.as_str(), append(scene, model, name, &place)).is_some() {
                 let problem = format!("there is another object {name:?}");
                 return Err(SceneError::new(path, Place::Line(*line), problem, "give each object a name of its own"));
             }
@@ -94,6 +97,16 @@ impl<'a> Objects<'a> {
             if scene.instances.len().saturating_add(parts.len().saturating_mul(places.len())) > MAX_INSTANCES {
                 let problem = format!("the scene has more than {MAX_INSTANCES} instances");
                 return error(problem, "show fewer".to_owned());
+            }
+            let flat = places.iter().filter(|place| (table.to_world * **place).matrix3.determinant() == 0.0).count();
+            if flat > 0 {
+                let flat = count(flat, "instance of", "instances of");
+                scene.warnings.push(format!(
+                    "{}:{}: {flat} {:?} cannot be seen: the transform flattens it, for example by a scale of 0",
+                    self.path.display(),
+                    table.line,
+                    table.of
+                ));
             }
             let materials = table.materials(self.path, scene)?;
             let parts: Vec<Instance> = parts
@@ -139,8 +152,8 @@ impl<'a> Objects<'a> {
     }
 }
 
-/// Adds a model's meshes, materials and textures to the scene, all called after `name`.
-fn append(scene: &mut Scene, model: Scene, name: &str) -> Loaded {
+/// Adds a model's meshes, materials and textures to the scene, all called after `name`; `place` is that of its table.
+fn append(scene: &mut Scene, model: Scene, name: &str, place: &str) -> Loaded {
     let (first_texture, first_material) = (scene.textures.len(), scene.materials.len());
     let own = model.meshes.iter().any(|mesh| mesh.object.is_none()).then_some(scene.objects.len());
     if own.is_some() {
@@ -151,6 +164,7 @@ fn append(scene: &mut Scene, model: Scene, name: &str) -> Loaded {
     scene.objects.extend(model.objects.iter().map(|object| Object { name: called(&object.name) }));
     scene.meshes.extend(model.meshes.into_iter().map(|mesh| Mesh {
         name: called(&mesh.name),
+        added_at: Some(Arc::from(place)),
         material: first_material + mesh.material,
         object: mesh.object.map_or(own, |object| Some(first_object + object)),
         ..mesh
@@ -165,7 +179,7 @@ fn append(scene: &mut Scene, model: Scene, name: &str) -> Loaded {
     scene.files.extend(model.files);
     scene.warnings.extend(model.warnings);
     if !model.lights.is_empty() || model.camera.is_some() {
-        scene.warnings.push(format!("object {name:?}: its model's lights and cameras are left out"));
+        scene.warnings.push(format!("{place}: object {name:?}: its model's lights and cameras are left out"));
     }
     let inner = model.instances.iter().map(|inner| Instance { object: first_object + inner.object, ..*inner });
     Loaded { own, inner: inner.collect() }

@@ -54,11 +54,11 @@ options! {
         vfov: f32 = value::vfov, in "camera";
         /// Width of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
         #[arg(value_name = "PIXELS", help_heading = "Film")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         width: u32 = value::side, in "film";
         /// Height of the picture in pixels [default: 512, or by the aspect ratio of the model's camera]
         #[arg(value_name = "PIXELS", help_heading = "Film")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         height: u32 = value::side, in "film";
         /// Pixel filter: box, tent, gaussian or mitchell; replaces the scene file's filter, width and sharpness
         /// [default: box]
@@ -66,22 +66,22 @@ options! {
         filter: String = value::filter, in "film";
         /// Full width of the filter in pixels [default: depends on the filter]
         #[arg(value_name = "PIXELS", help_heading = "Film")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         filter_width: f32 = value::filter_width, in "film";
         /// Sharpness of the mitchell filter, from 0 (soft) to 1 (sharp)
         #[arg(value_name = "S", help_heading = "Film")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         sharpness: f32 = value::sharpness, in "film";
         /// Samples per pixel [default: the model's, or 64]
         #[arg(value_name = "N", help_heading = "Render")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         spp: u32 = value::count, in "render";
         /// Sequence of random numbers: random, sobol or r2 [default: sobol]
         #[arg(value_name = "NAME", help_heading = "Render")]
         sampler: Pattern = value::sampler, in "render";
         /// Seed of the random numbers [default: 0]
         #[arg(value_name = "N", help_heading = "Render")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         seed: u64 = value::seed, in "render";
         /// Quality of the BVH: fast, medium or high; the picture is the same [default: high]
         #[arg(value_name = "QUALITY", help_heading = "Render")]
@@ -114,7 +114,7 @@ options! {
         variant: String = value::text, in "scene";
         /// Draw glTF's points and lines as spheres and cylinders of this radius, in the coordinates of their mesh
         /// [default: skip them]
-        #[arg(value_name = "R", help_heading = "Model", allow_negative_numbers = true)]
+        #[arg(value_name = "R", help_heading = "Model", allow_hyphen_values = true)]
         point_radius: f32 = value::length, in "scene";
         /// Store repeated meshes of the model once: always, never, or auto, where copies would have over a million
         /// triangles [default: auto]

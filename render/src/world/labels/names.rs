@@ -1,7 +1,5 @@
 //! Names of surfaces and lights, for masks and light path expressions.
 
-use std::collections::BTreeSet;
-
 use glam::Vec3;
 
 use crate::scene::{LightLabel, Mesh};
@@ -64,6 +62,11 @@ impl World {
         })
     }
 
+    /// The same of those meshes alone that emit.
+    pub(crate) fn lit_labels(&self) -> impl Iterator<Item = (bool, [String; 2])> {
+        self.emitter_labels().zip(&self.meshes).filter(|(_, mesh)| self.emits(mesh)).map(|(labels, _)| labels)
+    }
+
     /// The names of the group and of the light itself, for each punctual light in the scene's order.
     pub(crate) fn punctual_labels(&self) -> impl Iterator<Item = [String; 2]> {
         self.light_labels.iter().map(|LightLabel { name, group }| {
@@ -82,12 +85,14 @@ impl World {
         !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO
     }
 
-    /// The names of the groups of all lights, sorted.
-    pub(crate) fn light_groups(&self) -> BTreeSet<String> {
-        let emitters = self.emitter_labels().zip(&self.meshes).filter(|(_, mesh)| self.emits(mesh));
-        let sky = (self.lights.sky.mean() != Vec3::ZERO).then(Self::sky_labels);
-        let labels = emitters.map(|((_, labels), _)| labels).chain(self.punctual_labels()).chain(sky);
-        labels.map(|[group, _]| group).collect()
+    /// The names of the groups of all lights, sorted; before them that of the sky, if it has light. Lamps may have a group
+    /// of its name, which is another.
+    pub(crate) fn light_groups(&self) -> (Option<String>, Vec<String>) {
+        let labels = self.lit_labels().map(|(_, labels)| labels).chain(self.punctual_labels());
+        let mut groups: Vec<String> = labels.map(|[group, _]| group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        ((self.lights.sky.mean() != Vec3::ZERO).then(|| SKY.to_owned()), groups)
     }
 }
 

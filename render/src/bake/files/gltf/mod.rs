@@ -16,6 +16,7 @@ mod assembly;
 mod data;
 mod material;
 mod primitive;
+mod references;
 mod text;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -71,15 +72,23 @@ pub struct Patched {
     pub warnings: Vec<String>,
 }
 
-/// Puts lightmaps into the file whose `bytes` these are; `path` is for messages and for the files that it names.
+/// Puts lightmaps into the file whose `bytes` these are; `path` is for messages and for the files that it names, and
+/// `folders` lead from the new file to it: its references to other files begin with them.
 ///
 /// # Errors
 /// If the file is broken; if a part is of another file, or names vertices or pages that are not there; if a material
 /// uses the second texture coordinates, which the lightmap needs, for something else; if a GLB would exceed 4 GiB.
-pub fn patch(path: &Path, bytes: &[u8], parts: &[Part], pages: &[Page], target: Target) -> Result<Patched, SceneError> {
+pub fn patch(
+    path: &Path,
+    bytes: &[u8],
+    parts: &[Part],
+    pages: &[Page],
+    (target, folders): (Target, &[String]),
+) -> Result<Patched, SceneError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let (document, chunks) = open(path, bytes)?;
     let text = str::from_utf8(chunks.json).map_err(|_| document.error("JSON", "it is not UTF-8", "export it again"))?;
+    let text = &references::moved(text, folders);
     let home = Home::of(&document, &chunks, bytes.starts_with(b"glTF"));
     let data = home.data(&document, &chunks);
     let mut patch = Patch { document, text, pages, target, data, warnings: Vec::new() };

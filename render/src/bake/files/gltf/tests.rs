@@ -97,7 +97,7 @@ impl Owned {
 fn patched(file: &[u8], parts: &[Owned], target: Target) -> Patched {
     let parts: Vec<Part> = parts.iter().map(Owned::part).collect();
     let pages = [Page { file: "light 0.hdr", embedded: None }, Page { file: "light1.exr", embedded: Some(b"EXR") }];
-    let patched = patch(Path::new("a.glb"), file, &parts, &pages, target).unwrap();
+    let patched = patch(Path::new("a.glb"), file, &parts, &pages, (target, &[])).unwrap();
     if file.starts_with(b"glTF") {
         // Another reader, with a validator of its own.
         ::gltf::Gltf::from_slice(&patched.bytes).unwrap();
@@ -298,7 +298,7 @@ fn what_cannot_be_patched_is_told() {
     let meshes = scene(&file).meshes;
     let page = [Page { file: "a.ktx2", embedded: None }];
     let problem = |file: &[u8], part: Owned| {
-        let error = patch(Path::new("a.glb"), file, &[part.part()], &page, Target::Bevy).unwrap_err();
+        let error = patch(Path::new("a.glb"), file, &[part.part()], &page, (Target::Bevy, &[])).unwrap_err();
         error.problem
     };
     let whole = || Owned::whole(&meshes[0], 0);

@@ -7,11 +7,11 @@ use super::inside::left_out;
 use crate::bake::atlas::{Atlas, Layout, mesh_name};
 use crate::bake::check::{Check, Lost};
 use crate::bake::{BakeOptions, charts_picture};
-use crate::cli::error::{CliError, EXIT_DONE};
+use crate::cli::error::{CliError, EXIT_DONE, invalid};
 use crate::cli::inputs;
 use crate::cli::messages::Style;
 use crate::cli::print::print;
-use crate::output::{OutputFile, encode_png};
+use crate::output::{Format, OutputFile, encode_png};
 use crate::scene::{Scene, count};
 use crate::world::{LightQuery, World};
 
@@ -20,6 +20,10 @@ const MAX_LISTED: usize = 10;
 
 /// Checks, prints what was found, and writes the picture; the exit code says whether light can be baked.
 pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>, style: Style) -> Result<u8, CliError> {
+    if let Some(path) = picture.filter(|path| Format::from_path(path) != Ok(Format::Png)) {
+        let problem = format!("{}: the picture of --check-uv is a PNG", path.display());
+        return Err(invalid(problem, "give a name that ends in .png"));
+    }
     let atlas = match Atlas::of_model(scene, options)? {
         Some(atlas) => atlas,
         None if options.skip_outside.is_some() => {

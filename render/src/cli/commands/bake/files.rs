@@ -224,6 +224,29 @@ impl Files {
         name.to_string_lossy().into_owned()
     }
 
+    /// The folders that lead from the model to a file.
+    fn way_to(&self, file: &Path) -> Result<Vec<String>, CliError> {
+        bake::way(&self.model, file).map_err(|error| {
+            let problem = format!("{} cannot refer to {}: {error}", self.model.display(), file.display());
+            invalid(problem, "write the model into the folder of the one that is read, or beside it")
+        })
+    }
+
+    /// The material libraries of an .obj model, as the new one must name them.
+    fn libraries(&self, scene: &Scene) -> Result<Vec<String>, CliError> {
+        let is = |path: &Path, kind: &str| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(kind));
+        if !self.source.as_ref().is_some_and(|source| is(source, "obj")) {
+            return Ok(Vec::new());
+        }
+        let named = |file: &PathBuf| {
+            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let mut path = self.way_to(file)?;
+            path.push(name);
+            Ok(path.join("/"))
+        };
+        scene.files.iter().filter(|file| is(file, "mtl")).map(named).collect()
+    }
+
     /// The bytes of the model.
     fn model(
         &self,
@@ -234,7 +257,7 @@ impl Files {
     ) -> Result<Vec<u8>, CliError> {
         let is_obj = self.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
         let Some(source) = self.source.as_ref().filter(|_| !is_obj) else {
-            return Ok(bake::obj::write(scene, &bake.atlas).into_bytes());
+            return Ok(bake::obj::write(scene, &bake.atlas, &self.libraries(scene)?).into_bytes());
         };
         let original =
             std::fs::read(source).map_err(|error| CliError::Input(format!("{}: {error}", source.display())))?;
@@ -255,7 +278,12 @@ impl Files {
         let embed = self.preset == Preset::Three && self.model.extension().is_some_and(|extension| extension == "glb");
         let pages = maps.iter().map(|(file, bytes)| Page { file, embedded: embed.then_some(&bytes[..]) });
         let target = if self.preset == Preset::Three { Target::Three } else { Target::Bevy };
-        let patched = gltf::patch(source, &original, &parts, &pages.collect::<Vec<_>>(), target)?;
+        let folders = match gltf::external_files(source, &original)?[..] {
+            // A file that is whole by itself can be read anywhere.
+            [] => self.way_to(source).unwrap_or_default(),
+            _ => self.way_to(source)?,
+        };
+        let patched = gltf::patch(source, &original, &parts, &pages.collect::<Vec<_>>(), (target, &folders))?;
         warnings.extend(patched.warnings);
         Ok(patched.bytes)
     }

@@ -10,6 +10,7 @@ use crate::bake::{self, BakeOptions, Checkpoint, Mode, STATE_EXTENSION};
 use crate::cli::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED};
 use crate::cli::inputs;
 use crate::cli::interrupt;
+use crate::cli::lock::Lock;
 use crate::cli::messages::Style;
 use crate::cli::progress::Progress;
 use crate::output::OutputFile;
@@ -48,6 +49,7 @@ pub(super) fn run(
     style: Style,
 ) -> Result<u8, CliError> {
     let file = OutputFile::check(output).map_err(CliError::input)?;
+    let _lock = Lock::new(output, "baking this shard")?;
     let checkpoint = if resume { Checkpoint::read(output, hash)? } else { None };
     if let Some(other) = checkpoint.as_ref().and_then(Checkpoint::shard).filter(|other| *other != shard) {
         let problem = format!("{} is of the shard {}/{}", output.display(), other.number() + 1, other.count());

@@ -37,7 +37,7 @@ pub(super) struct Lights {
 #[derive(Debug, PartialEq, Serialize)]
 struct Light {
     kind: &'static str,
-    /// The material's, or the number among the lights of its kind.
+    /// The material's or its own, or else the number among the lights of its kind.
     name: String,
     /// In red, green and blue.
     power: [f64; 3],
@@ -96,7 +96,9 @@ impl Lights {
                 PunctualLight::Profiled { .. } => ("profile", &mut lights.profile, "W"),
                 PunctualLight::Directional { .. } => ("directional", &mut lights.directional, "W/m²"),
             };
-            let name = count.to_string();
+            // The name that heat maps and light groups show.
+            let named = scene.light_labels.get(number).map(|label| &label.name).filter(|name| !name.is_empty());
+            let name = named.cloned().unwrap_or_else(|| count.to_string());
             *count += 1;
             let (color, extent) = light.power();
             lights.push(kind, name, extent * color.as_dvec3(), unit, key);
@@ -155,7 +157,7 @@ impl Lights {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Sky, SpotEdge, cornell_box};
+    use crate::scene::{LightLabel, Sky, SpotEdge, cornell_box};
 
     #[test]
     fn the_cornell_light_has_the_power_of_its_area() {
@@ -206,9 +208,10 @@ mod tests {
         let mut scene = cornell_box();
         let position = Vec3::new(0.278, 0.4, 0.28);
         // Alike, but for their strength.
-        for strength in [0.01, 0.03] {
+        for (strength, name) in [(0.01, ""), (0.03, "window")] {
             let intensity = Vec3::splat(strength);
             scene.lights.push(PunctualLight::Point { position, intensity, radius: 0.0 });
+            scene.light_labels.push(LightLabel { name: name.to_owned(), ..LightLabel::default() });
         }
         scene.sky = Sky::constant(Vec3::splat(0.1));
         let mut lights = Lights::of(&scene);
@@ -220,6 +223,8 @@ mod tests {
         assert!((share(2) / share(1) - 3.0).abs() < 0.1 && share(0) > 0.1 && share(3) > 0.01, "{lights:?}");
         let mut rows = Vec::new();
         lights.rows(&mut |name, value| rows.push(format!("{name}: {value}")));
-        assert!(rows.iter().any(|row| row.contains("% of samples  area light: ")), "{rows:?}");
+        for name in ["area light", "point 0", "point window"] {
+            assert!(rows.iter().any(|row| row.contains(&format!("% of samples  {name}: "))), "{rows:?} lack {name}");
+        }
     }
 }

@@ -2,18 +2,20 @@
 
 mod pictures;
 mod report;
+mod resumed;
+mod sequence;
 mod statistics;
 mod summary;
 mod watch;
 
 use std::io::IsTerminal;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use super::cache::{cached_options, read_cache};
-use crate::cache::{Cache, missed_accuracy};
+use crate::cache::missed_accuracy;
 use crate::cli::args::RenderArguments;
-use crate::cli::checkpoint::{Checkpoint, read_film};
+use crate::cli::checkpoint::Checkpoint;
 use crate::cli::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT, invalid};
 use crate::cli::messages::{Style, print_text};
 use crate::cli::prepare::{prepare, thread_pool};
@@ -25,49 +27,29 @@ use crate::denoise::DenoiseError;
 use crate::driver::{self, Plan};
 use crate::executor::RayonExecutor;
 use crate::film::{BadSamples, Film};
+use crate::integrator::unmatched_labels;
 use crate::output::{self, OutputFile, ToneMapping};
 use crate::scene::{Scene, count};
 use crate::settings::{Integrator, Settings};
 use crate::world::World;
 use pictures::{is_black, is_exr, shown_name, without_aov};
 pub(crate) use pictures::{refuse_failures, write_all};
+use resumed::{begun, more_samples};
+use sequence::sequence;
 use statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
-use summary::{End, RenderReport};
+use summary::{End, RenderReport, Told};
 use watch::RenderWatch;
 
 /// Renders a picture or a sequence; the exit code says whether every sample was taken.
 pub(crate) fn run(arguments: &RenderArguments) -> Result<u8, CliError> {
     match arguments.sequence.numbers() {
         Some(frames) => sequence(arguments, frames),
-        None => render(arguments),
+        None => render(arguments, &Told::default()),
     }
 }
 
-/// Renders frames one after the other, each written when it is done.
-fn sequence(arguments: &RenderArguments, frames: impl Iterator<Item = i32>) -> Result<u8, CliError> {
-    let style = arguments.common.progress.style(std::io::stderr().is_terminal());
-    let mut code = EXIT_DONE;
-    for frame in frames {
-        let arguments = arguments.of_frame(frame)?;
-        if arguments.sequence.skip_existing && arguments.outputs()?.iter().all(|path| path.exists()) {
-            print_text(style, &format!("frame {frame} is there"));
-            continue;
-        }
-        if interrupt::requested() {
-            return Ok(EXIT_INTERRUPTED);
-        }
-        print_text(style, &format!("frame {frame}"));
-        match render(&arguments)? {
-            EXIT_INTERRUPTED => return Ok(EXIT_INTERRUPTED),
-            EXIT_LIMIT => code = EXIT_LIMIT,
-            _ => {}
-        }
-    }
-    Ok(code)
-}
-
-/// Renders a picture.
-fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
+/// Renders a picture. Warnings that were `told` about other pictures of a sequence are not printed again.
+fn render(arguments: &RenderArguments, told: &Told) -> Result<u8, CliError> {
     let begin = Instant::now();
     let mut recorder = Recorder::start();
     let (film_path, paths) = arguments.film.places(&arguments.outputs()?)?;
@@ -146,12 +128,14 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
             halfdome_kernel::MAX_COORDINATE
         ));
     }
+    warnings.extend(unmatched_labels(&world, &settings.aovs));
     let before = match &film_path {
         Some(path) if arguments.film.resume => begun(path, &world, &settings, cache.as_ref(), style)?,
         _ => None,
     };
+    warnings.extend(before.as_ref().and_then(|film| more_samples(film, settings.spp)));
     let mut report =
-        RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings };
+        RenderReport { scene: scene_name, settings: &settings, threads: pool.current_num_threads(), warnings, told };
     report.print_start(style);
 
     interrupt::catch()?;
@@ -262,29 +246,6 @@ fn render(arguments: &RenderArguments) -> Result<u8, CliError> {
         End::Interrupted => EXIT_INTERRUPTED,
         End::Limit => EXIT_LIMIT,
     })
-}
-
-/// The film that was begun, if there is one; refuses that of another picture.
-fn begun(
-    path: &Path,
-    world: &World,
-    settings: &Settings,
-    cache: Option<&Cache>,
-    style: Style,
-) -> Result<Option<Film>, CliError> {
-    if !path.exists() {
-        print_text(style, &format!("{} is not there yet: the render begins", path.display()));
-        return Ok(None);
-    }
-    let film = read_film(path)?;
-    let expected = driver::film_header(world, settings, cache);
-    film.header().check(&expected).map_err(|error| CliError::input(error.naming(&path.display().to_string())))?;
-    let samples = film.samples();
-    print_text(
-        style,
-        &format!("going on with {}: {} to {} samples a pixel", path.display(), samples.start, samples.end),
-    );
-    Ok(Some(film))
 }
 
 /// As many lights as are named with their colours.

@@ -1,5 +1,7 @@
 //! Messages on stderr before and after a render, as text or as lines of JSON.
 
+use std::cell::RefCell;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;
 
@@ -23,6 +25,19 @@ pub(crate) enum End {
     Interrupted,
 }
 
+/// The warnings of a sequence that were printed: each is printed once, however many frames have it.
+#[derive(Debug, Default)]
+pub(super) struct Told(RefCell<BTreeSet<String>>);
+
+impl Told {
+    /// Prints a warning if it has not been.
+    fn print(&self, style: Style, warning: &str) {
+        if self.0.borrow_mut().insert(warning.to_owned()) {
+            print_warning(style, warning);
+        }
+    }
+}
+
 /// The scene and settings.
 pub(super) struct RenderReport<'a> {
     /// As the user calls it.
@@ -30,6 +45,7 @@ pub(super) struct RenderReport<'a> {
     pub(super) settings: &'a Settings,
     pub(super) threads: usize,
     pub(super) warnings: Vec<String>,
+    pub(super) told: &'a Told,
 }
 
 impl RenderReport<'_> {
@@ -42,12 +58,12 @@ impl RenderReport<'_> {
                 let _ = writeln!(std::io::stderr(), "{}", self.title());
             }
         }
-        self.warnings.iter().for_each(|warning| print_warning(style, warning));
+        self.warnings.iter().for_each(|warning| self.told.print(style, warning));
     }
 
     /// Adds a warning after the start.
     pub(super) fn warn(&mut self, style: Style, warning: String) {
-        print_warning(style, &warning);
+        self.told.print(style, &warning);
         self.warnings.push(warning);
     }
 
@@ -160,7 +176,8 @@ mod tests {
     fn the_text_says_what_was_done() {
         let settings = Settings::default();
         let warnings = vec!["no light".to_owned()];
-        let report = RenderReport { scene: "cornell".into(), settings: &settings, threads: 2, warnings };
+        let report =
+            RenderReport { scene: "cornell".into(), settings: &settings, threads: 2, warnings, told: &Told::default() };
         assert_eq!(report.title(), "cornell: 512x512, 64 spp, path, 2 threads");
         let text = report.end_text(&render(), End::Done, &["a.exr".into()]);
         assert_eq!(text, "rendered in 2.50 s at 2.0 Mrays/s (5000000 rays)\nwrote a.exr\n1 warning, above\n");
@@ -175,7 +192,8 @@ mod tests {
     fn the_events_are_valid_json_whatever_the_names() {
         let settings = Settings::default();
         let warnings = vec!["a \"quoted\"\nline".to_owned()];
-        let report = RenderReport { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings };
+        let report =
+            RenderReport { scene: "a\"b\\c".into(), settings: &settings, threads: 1, warnings, told: &Told::default() };
         let start: Value = serde_json::from_str(&report.start_event().to_string()).unwrap();
         assert_eq!(start["scene"], "a\"b\\c");
         let line = report.end_event(&render(), End::Interrupted, &["a.exr".into()]).to_string();

@@ -154,7 +154,11 @@ impl Reader<'_> {
         self.vary(Input::BaseColor, map.as_ref(), Channel::Rgb);
         self.material.uses_vertex_colors = true;
         let cutoff = match source.alpha_mode {
-            Checked::Valid(AlphaMode::Opaque) | Checked::Invalid => return Ok(()),
+            Checked::Valid(AlphaMode::Opaque) => return Ok(()),
+            Checked::Invalid => {
+                self.notes.add("alphaMode is none of OPAQUE, MASK and BLEND, and is taken for OPAQUE", self.place);
+                return Ok(());
+            }
             Checked::Valid(AlphaMode::Mask) => Some(source.alpha_cutoff.unwrap_or_default().0),
             Checked::Valid(AlphaMode::Blend) => None,
         };

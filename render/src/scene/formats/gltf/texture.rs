@@ -121,11 +121,11 @@ impl Textures {
         place: &str,
         user: &str,
     ) -> Result<Result<usize, String>, SceneError> {
-        let name = format!("image {}", index.value());
+        let image = document.object(index, "image", place)?;
+        let name = named(index.value(), image);
         if let Some(known) = self.images.get(&index.value()) {
             return Ok(known.ok_or_else(|| format!("{name} is of a kind that is not read")));
         }
-        let image = document.object(index, "image", place)?;
         let read = read(document, image, &name).map_err(|error| about(error, user))?;
         let number = read.map(|texture| {
             self.list.push(texture);
@@ -133,6 +133,15 @@ impl Textures {
         });
         self.images.insert(index.value(), number.as_ref().ok().copied());
         Ok(number)
+    }
+}
+
+/// An image for messages: with the file that it is in, or else its name.
+fn named(index: usize, image: &Image) -> String {
+    let file = image.uri.as_ref().filter(|uri| !uri.starts_with("data:"));
+    match file.or(image.name.as_ref()) {
+        Some(name) => format!("image {index} ({name:?})"),
+        None => format!("image {index}"),
     }
 }
 

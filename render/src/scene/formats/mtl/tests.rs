@@ -46,6 +46,13 @@ fn phong_s_exponents_become_roughness_and_ks_the_reflectance() {
 }
 
 #[test]
+fn a_negative_exponent_is_told() {
+    let (materials, _, warnings) = read_in("newmtl a\nNs -3\nKs 1 1 1\nillum 2\n", &[]);
+    assert_eq!(warnings, ["a.mtl:2: `Ns` is -3, less than 0, and is taken for 0"]);
+    near(materials[0].inputs.specular_roughness, 1.0);
+}
+
+#[test]
 fn mirrors_glass_and_opacity() {
     let library = "newmtl metal\nKd 0 0 0\nKs 0.9 0.5 0.1\nillum 3\nnewmtl varnish\nKd 0.5 0.5 0.5\nKs 0.1 0.1 0.1\nillum 5\n\
                    newmtl glass\nillum 7\nTf 0.9 0.8 0.7\nd 0.5\nnewmtl veil\nd 0.25\n";

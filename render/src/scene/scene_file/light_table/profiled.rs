@@ -50,6 +50,6 @@ impl<'a> Table<'a> {
             radius: self.number("radius", 0.0, PunctualLight::MAX_RADIUS, 0.0)?,
             profile: Arc::new(profile),
         };
-        Ok(LightTable { source: Source::Punctual(light), label: self.label(), file: Some(file) })
+        Ok(self.finish(Source::Punctual(light), Some(file)))
     }
 }

@@ -94,6 +94,21 @@ fn lamps_are_meshes_with_a_material_of_their_own() {
     assert_eq!(across(Vec3::Y, Vec3::NEG_Y), None);
 }
 
+#[test]
+fn lights_without_light_are_told() {
+    for (text, name) in [
+        (format!("{POINT}power = 0\nname = \"bulb\""), "point light \"bulb\""),
+        (format!("{DISC}radiance = 1\ncolor = 0"), "disc light"),
+        ("type = \"directional\"\ndirection = [0, 0, -1]\nirradiance = 0".to_owned(), "directional light"),
+    ] {
+        let warnings = applied(&format!("[[light]]\n{text}")).unwrap().warnings;
+        let [warning] = &warnings[..] else { panic!("{text}: {warnings:?}") };
+        let expected = format!("room.toml:3: this {name} has a strength of 0: it emits nothing");
+        assert!(warning.ends_with(&expected), "{warning}");
+    }
+    assert_eq!(applied(&format!("[[light]]\n{POINT}power = 1e-9")).unwrap().warnings, [""; 0]);
+}
+
 /// Units, sizes and sides are those of the model's lights alone.
 #[test]
 fn options_of_the_models_lights_leave_these_as_they_are() {

@@ -11,7 +11,7 @@ options! {
     pub struct CachedOverrides;
     options {
         /// Allowed error of records, more than 0 and at most 1; their radii are proportional to it [default: 0.3]
-        #[arg(value_name = "A", allow_negative_numbers = true)]
+        #[arg(value_name = "A", allow_hyphen_values = true)]
         cache_error: f32 = value::cache_error, in "render";
         /// Gradients by which records are extrapolated: off, rotation or both (rotation and translation) [default:
         /// both]
@@ -25,14 +25,14 @@ options! {
         #[arg(value_name = "NAME")]
         layout: GatherLayout = value::gather_layout, in "render";
         /// Approximate number of rays per record [default: 2048]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         record_rays: u32 = value::record_rays, in "render";
         /// Number of reflections before a record, with one cache for each [default: unlimited, by path tracing]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         cache_bounces: u32 = value::cache_bounces, in "render";
         /// Requested root mean square error of irradiance, relative to its mean: 1%, 0.03. It determines the rays and
         /// radii of records and, in bakes and sensors, the samples of direct light
-        #[arg(value_name = "ERROR", allow_negative_numbers = true)]
+        #[arg(value_name = "ERROR", allow_hyphen_values = true)]
         #[arg(conflicts_with_all = ["cache_error", "record_rays"])]
         accuracy: f32 = value::accuracy, in "render";
     }

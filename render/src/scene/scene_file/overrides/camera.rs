@@ -22,7 +22,7 @@ options! {
         #[arg(id = "camera", value_name = "KIND")]
         kind: CameraKind = value::camera_kind, in "camera" "type";
         /// perspective: focal length in mm, in place of --vfov
-        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        #[arg(value_name = "MM", allow_hyphen_values = true)]
         focal_length: f32 = value::length, in "camera";
         /// perspective: width and height of the sensor in mm, for focal length and f-number [default: 36,24]
         #[arg(value_name = "W,H", allow_hyphen_values = true)]
@@ -36,53 +36,53 @@ options! {
         #[arg(value_name = "X,Y", allow_hyphen_values = true)]
         shift: Vec2 = value::shift, in "camera";
         /// perspective, orthographic: diameter of the lens's aperture in mm; 0 is a pinhole [default: 0]
-        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        #[arg(value_name = "MM", allow_hyphen_values = true)]
         aperture: f32 = value::aperture, in "camera";
         /// perspective: the aperture as the focal length over its diameter
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         f_number: f32 = value::length, in "camera";
         /// Distance along the view at which a lens is sharp, in the model's units [default: the target's, if one is
         /// given]
-        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        #[arg(value_name = "DISTANCE", allow_hyphen_values = true)]
         focus: f32 = value::length, in "camera";
         /// A point in the plane of focus, in place of --focus
         #[arg(value_name = "X,Y,Z", allow_hyphen_values = true)]
         focus_at: Vec3 = value::point, in "camera";
         /// Blades of the polygonal aperture, at least 3; 0 is a disc [default: 0]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         blades: u32 = value::blades, in "camera";
         /// Turn of the blades in degrees, from right to up; at 0 a corner is on the right [default: 0]
-        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        #[arg(value_name = "DEGREES", allow_hyphen_values = true)]
         blade_rotation: f32 = value::degrees, in "camera";
         /// Height of the aperture over its width: 2 for anamorphic lenses with a squeeze of 2 [default: 1]
-        #[arg(value_name = "RATIO", allow_negative_numbers = true)]
+        #[arg(value_name = "RATIO", allow_hyphen_values = true)]
         anamorphic: f32 = value::anamorphic, in "camera";
         /// Millimetres in one of the model's units, for aperture and eye distance [default: 1000, for metres]
-        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        #[arg(value_name = "MM", allow_hyphen_values = true)]
         mm_per_unit: f32 = value::length, in "camera";
         /// orthographic: height of the view, in the model's units [default: the model's, or that of a perspective view
         /// at the target, if one is given]
-        #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
+        #[arg(value_name = "LENGTH", allow_hyphen_values = true)]
         ortho_height: f32 = value::length, in "camera";
         /// orthographic: its width, in place of the height
-        #[arg(value_name = "LENGTH", allow_negative_numbers = true)]
+        #[arg(value_name = "LENGTH", allow_hyphen_values = true)]
         ortho_width: f32 = value::length, in "camera";
         /// panorama: distance of two eyes in mm, 64 for most people; the upper half of the picture is the left eye's
         /// [default: one eye]
-        #[arg(value_name = "MM", allow_negative_numbers = true)]
+        #[arg(value_name = "MM", allow_hyphen_values = true)]
         ipd: f32 = value::aperture, in "camera";
         /// fisheye: how distance from the middle grows with the angle: equidistant or equisolid [default: equidistant]
         #[arg(value_name = "MAPPING")]
         fisheye: FisheyeMapping = value::fisheye, in "camera";
         /// fisheye: angle across the disc in degrees, up to 360 [default: 180]
-        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        #[arg(value_name = "DEGREES", allow_hyphen_values = true)]
         fov: f32 = value::fisheye_fov, in "camera";
         /// Clip nearer geometry: along the view of perspective and orthographic cameras, from the eye of others
         /// [default: 0]
-        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        #[arg(value_name = "DISTANCE", allow_hyphen_values = true)]
         near: f32 = value::near, in "camera";
         /// Clip farther geometry [default: no limit]
-        #[arg(value_name = "DISTANCE", allow_negative_numbers = true)]
+        #[arg(value_name = "DISTANCE", allow_hyphen_values = true)]
         far: f32 = value::length, in "camera";
         /// Clip at the planes of the model's camera (glTF's znear and zfar), unless --near and --far are given
         #[arg(num_args = 0..=1, require_equals = true)]

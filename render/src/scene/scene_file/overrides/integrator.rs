@@ -21,7 +21,7 @@ options! {
         integrator: Integrator = value::integrator, in "render";
         /// path, heat: most surface hits on a path; 1 shows only emitters, 2 adds direct light [default: 1024]. direct:
         /// most surfaces seen through mirrors and glass [default: 32]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         max_depth: u32 = value::count, in "render";
         /// path, heat: sampling of lights: naive (bounces hit emitters by chance), direct (light sampling) or mis
         /// (both, by multiple importance sampling) [default: mis]
@@ -32,22 +32,22 @@ options! {
         #[arg(value_name = "RULE")]
         stop: Stop = value::stop, in "render";
         /// --stop threshold: end a path when its throughput falls below this in all channels [default: 0.01]
-        #[arg(value_name = "C", allow_negative_numbers = true)]
+        #[arg(value_name = "C", allow_hyphen_values = true)]
         cutoff: f32 = value::fraction, in "render";
         /// --stop threshold: add the scene's mean radiance in place of the lost light
         #[arg(num_args = 0..=1, require_equals = true)]
         #[arg(value_name = "BOOL", default_missing_value = "true")]
         add_back: bool = value::flag, in "render";
         /// --stop roulette: number of surfaces before roulette starts [default: 3]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         roulette_after: u32 = value::number, in "render";
         /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95 [default:
         /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
-        #[arg(value_name = "P", allow_negative_numbers = true)]
+        #[arg(value_name = "P", allow_hyphen_values = true)]
         survival: Survival = value::survival, in "render";
         /// path, heat: clamp contributions after two reflections and more to this radiance: fewer fireflies, less light
         /// [default: off]
-        #[arg(value_name = "L", allow_negative_numbers = true)]
+        #[arg(value_name = "L", allow_hyphen_values = true)]
         clamp_indirect: f32 = value::clamp, in "render";
         /// path: path guiding: trace N paths first to learn where light comes from; for rooms lit through a small
         /// opening [default: false; N is 524288]
@@ -55,10 +55,10 @@ options! {
         #[arg(value_name = "N", default_missing_value = "true")]
         guide: u32 = value::guide, in "render";
         /// montecarlo: number of indirect bounces [default: 1]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         bounces: u32 = value::number, in "render";
         /// montecarlo, ao: rays per surface [default: 16]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         rays: u32 = value::count, in "render";
         /// montecarlo, ao: sampling of the hemisphere: uniform, cosine, stratified (by the cosine) or
         /// stratified-uniform [default: stratified]
@@ -69,7 +69,7 @@ options! {
         #[arg(value_name = "HOW")]
         ao_weighting: AoWeighting = value::ao_weighting, in "render";
         /// ao: hits farther away than this do not occlude [default: the scene's diagonal]
-        #[arg(value_name = "D", allow_negative_numbers = true)]
+        #[arg(value_name = "D", allow_hyphen_values = true)]
         ao_distance: f32 = value::distance, in "render";
     }
     others {
@@ -185,11 +185,20 @@ impl IntegratorOverrides {
         let known = [used, used_by_stop].concat();
         let remedy = match known.len() {
             0 => "leave it out, or choose another integrator".to_owned(),
-            _ => format!("leave it out; used are {}", known.join(", ")),
+            _ => format!(
+                "leave it out; used are {}",
+                known.iter().map(|name| option(name)).collect::<Vec<_>>().join(", ")
+            ),
         };
-        Err(Invalid::new(format!("{user} does not use `{name}`"), remedy))
+        Err(Invalid::new(format!("{user} does not use {}", option(name)), remedy))
     }
 }
+
+/// An option as it is written on the command line; its key in a scene file has `_` for `-`.
+fn option(name: &str) -> String {
+    format!("--{}", name.replace('_', "-"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -229,16 +238,16 @@ mod tests {
         let cutoff = IntegratorOverrides { cutoff: Some(0.1), ..Default::default() };
         assert_eq!(
             problem(cutoff.clone()),
-            "the integrator `path` with the stop `roulette` does not use `cutoff`\n  \
-             help: leave it out; used are max_depth, lights, stop, clamp_indirect, guide, roulette_after, survival"
+            "the integrator `path` with the stop `roulette` does not use --cutoff\n  \
+             help: leave it out; used are --max-depth, --lights, --stop, --clamp-indirect, --guide, --roulette-after, --survival"
         );
         assert_eq!(
             problem(IntegratorOverrides { rays: Some(3), ..named("flat") }),
-            "the integrator `flat` does not use `rays`\n  help: leave it out, or choose another integrator"
+            "the integrator `flat` does not use --rays\n  help: leave it out, or choose another integrator"
         );
         assert_eq!(
             problem(IntegratorOverrides { cutoff: Some(0.1), ..named("montecarlo") }),
-            "the integrator `montecarlo` does not use `cutoff`\n  help: leave it out; used are bounces, rays, sampling, survival"
+            "the integrator `montecarlo` does not use --cutoff\n  help: leave it out; used are --bounces, --rays, --sampling, --survival"
         );
         let threshold = Stop::named("threshold");
         assert!(IntegratorOverrides { stop: threshold, ..cutoff }.integrator().is_ok());

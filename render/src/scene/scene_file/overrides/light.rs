@@ -28,11 +28,11 @@ options! {
         light_units: LightUnits = value::light_units, in "scene" "lights";
         /// Radius of the model's point and spot lights, in its units, for soft shadows: Blender has 0.1 and does not
         /// write it [default: the light's extras.radius, or 0]
-        #[arg(value_name = "R", allow_negative_numbers = true)]
+        #[arg(value_name = "R", allow_hyphen_values = true)]
         light_radius: f32 = value::light_radius, in "scene";
         /// Angle that the disc of the model's directional lights subtends, in degrees: the sun's is 0.53 [default: the
         /// light's extras.angle, or 0]
-        #[arg(value_name = "DEGREES", allow_negative_numbers = true)]
+        #[arg(value_name = "DEGREES", allow_hyphen_values = true)]
         sun_angle: f32 = value::sun_angle, in "scene";
     }
     others {

@@ -14,10 +14,10 @@ options! {
     options {
         /// Frame of the model's animations to show, also between two frames, for example 12.5: frame F is F / fps
         /// seconds after the file's time 0, as Blender counts [default: no animation, the pose of the model's nodes]
-        #[arg(value_name = "F", allow_negative_numbers = true)]
+        #[arg(value_name = "F", allow_hyphen_values = true)]
         frame: f64 = value::frame, in "scene";
         /// Frames per second [default: 24]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         fps: f64 = value::fps, in "scene";
         /// Motion blur: opening and closing of the shutter in frames relative to --frame, such as -0.25,0.25 or 0,1, or
         /// in seconds, such as 0s,0.01s; or the number of frames that it is open around --frame, such as 0.5, Blender's
@@ -27,12 +27,12 @@ options! {
         shutter: Shutter = value::shutter, in "camera";
         /// Part of that time during which the shutter opens, and again closes, linearly, from 0 to 0.5 [default: 0, at
         /// once]
-        #[arg(value_name = "PART", allow_negative_numbers = true)]
+        #[arg(value_name = "PART", allow_hyphen_values = true)]
         #[arg(help_heading = "Camera")]
         shutter_ramp: f32 = value::shutter_ramp, in "camera";
         /// Number of times from opening to closing at which the model is posed, odd; motion in between is linear
         /// [default: 5]
-        #[arg(value_name = "N", allow_negative_numbers = true)]
+        #[arg(value_name = "N", allow_hyphen_values = true)]
         #[arg(help_heading = "Camera")]
         shutter_keys: usize = value::shutter_keys, in "camera";
     }

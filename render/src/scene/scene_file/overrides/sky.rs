@@ -6,7 +6,8 @@ use glam::Vec3;
 
 use super::super::value;
 use super::options::options;
-use crate::scene::{Daylight, DaylightModel, Scene, SkyPicture};
+use crate::film::MAX_SAMPLE;
+use crate::scene::{Daylight, DaylightModel, Scene, SkyPicture, count};
 use crate::settings::Invalid;
 
 options! {
@@ -17,10 +18,10 @@ options! {
         /// Rotation of the environment map about +y in degrees, counter-clockwise as seen from above; at 0 its middle
         /// is towards -z [default: 0]
         #[arg(id = "sky-rotation", value_name = "DEGREES")]
-        #[arg(allow_negative_numbers = true)]
+        #[arg(allow_hyphen_values = true)]
         rotation: f32 = value::degrees, in "sky";
         /// Factor on the environment map or the daylight [default: 1]
-        #[arg(id = "sky-scale", value_name = "S", allow_negative_numbers = true)]
+        #[arg(id = "sky-scale", value_name = "S", allow_hyphen_values = true)]
         scale: f32 = value::scale, in "sky";
         /// Clear sky with a sun (Preetham 1999): elevation and azimuth of the sun in degrees (azimuth 0 is -z, 90 is
         /// +x), and turbidity from 2 (very clear) to 10 (hazy) [default turbidity: 3]
@@ -31,7 +32,7 @@ options! {
         #[arg(value_name = "NAME")]
         daylight_model: DaylightModel = value::daylight_model, in "sky";
         /// Albedo of the ground below the sky of hosek, which lights it [default: 0.3]
-        #[arg(value_name = "R[,G,B]", allow_negative_numbers = true)]
+        #[arg(value_name = "R[,G,B]", allow_hyphen_values = true)]
         daylight_albedo: Vec3 = value::albedo, in "sky";
     }
     others {
@@ -88,6 +89,14 @@ impl SkyOverrides {
                 let picture = SkyPicture::read(path, scale).map_err(|error| {
                     Invalid::new(format!("{}: {}", error.file.display(), error.problem), error.remedy)
                 })?;
+                if let Some((number, [x, y], radiance)) = picture.beyond_samples() {
+                    let texels = count(number, "texel is", "texels are");
+                    scene.warnings.push(format!(
+                        "{}: {texels} brighter than {MAX_SAMPLE:.1e} W/(m² sr), to which samples of a picture are cut: \
+                         texel {x}, {y} has {radiance:.1e}; scale it down (--sky-scale)",
+                        path.display()
+                    ));
+                }
                 scene.sky.picture = Some(picture.turned(self.rotation.unwrap_or(0.0)));
                 scene.files.push(path.clone());
             }
@@ -114,6 +123,27 @@ mod tests {
         assert!(scene.sky.mean().min_element() > 0.0);
         let Some(PunctualLight::Directional { direction, .. }) = scene.lights.last() else { panic!("a sun") };
         assert!((direction.z - 0.5_f32.sqrt()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn texels_that_no_sample_holds_are_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sun.hdr");
+        let texels = [Vec3::ONE, Vec3::ONE, Vec3::splat(1e20), Vec3::ONE];
+        let map = crate::output::Map { width: 2, height: 2, texels: &texels };
+        std::fs::write(&path, crate::output::encode_hdr(&path, &map).unwrap().bytes).unwrap();
+        let warnings = |scale: f32| {
+            let mut scene = cornell_box();
+            let sky = SkyOverrides { picture: Some(path.clone()), scale: Some(scale), ..Default::default() };
+            sky.apply(&mut scene).unwrap();
+            scene.warnings
+        };
+        let told = warnings(1.0).pop().unwrap();
+        assert!(
+            told.contains("sun.hdr: 1 texel is brighter than 1.1e12") && told.contains("texel 0, 1 has 1.0e20"),
+            "{told}"
+        );
+        assert_eq!(warnings(1e-9), [""; 0]);
     }
 
     #[test]

@@ -126,6 +126,16 @@ fn holes() {
 }
 
 #[test]
+fn an_unknown_alpha_mode_is_told() {
+    let mut material = base(json!({"index": 0}));
+    material["alphaMode"] = json!("CLIP");
+    let scene = parse(textured(material)).unwrap();
+    let expected = "model.gltf: alphaMode is none of OPAQUE, MASK and BLEND, and is taken for OPAQUE: material 0";
+    assert_eq!(scene.warnings, [expected]);
+    assert_eq!(scene.materials[0].opacity.value, 1.0);
+}
+
+#[test]
 fn what_cannot_be_read_is_told() {
     let document = || textured(base(json!({"index": 0})));
     let missing = changed(document(), "/images/0/uri", json!("no such file.png"));

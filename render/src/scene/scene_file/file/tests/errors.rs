@@ -18,6 +18,20 @@ fn unknown_names_are_errors_with_the_nearest_known_one() {
         error("[sky]\ncolour = 3").2,
         "known are radiance, rotation, scale, daylight, daylight_model, daylight_albedo, picture"
     );
+    // A key is no section.
+    let model = (
+        "the key \"model\" is in no section",
+        "name the model in its section: [scene] on a line, then file = \"a.glb\"",
+    );
+    let of = |text: &str| {
+        let SceneError { problem, remedy, .. } = SceneFile::parse(Path::new("room.toml"), text).unwrap_err();
+        (problem, remedy)
+    };
+    assert_eq!(of("model = \"a.glb\""), (model.0.to_owned(), model.1.to_owned()));
+    assert_eq!(of("[scene]\nmodel = \"a.glb\"").1, "did you mean `file`?");
+    assert_eq!(of("spp = 3").1, "write it in its section: below [render]");
+    assert!(of("nothing = 3").1.starts_with("every key is in a section: [scene], [camera]"));
+    assert_eq!(of("scene = \"a.glb\"").1, "write [scene] on a line, then file = \"a.glb\"");
     // A key of another section is unknown in this one.
     assert_eq!(error("[sky]\nspp = 3").1, "unknown key \"spp\" in [sky]");
     let (line, problem, _) = error("[render]\nintegrator = \"pathh\"");
