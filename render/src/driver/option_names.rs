@@ -77,6 +77,7 @@ fn survival(of: Survival) -> String {
     match of {
         Survival::Constant(probability) => probability.to_string(),
         Survival::Throughput { max } => format!("throughput, at most {max}"),
+        Survival::RootThroughput => "root".to_owned(),
     }
 }
 

@@ -63,7 +63,8 @@ pub(crate) fn sample_direct(
     sample_direct_by(world, surface, |direction| scattering.eval(direction), how, numbers)
 }
 
-/// The same by what is scattered of light from a direction, `f cos θ`, and the density of bounces there. It may be negative.
+/// The same, given a function of the direction to a light: what is scattered from there, `f cos θ`, which may be
+/// negative, and the density of bounces.
 #[inline(always)]
 pub(crate) fn sample_direct_by(
     world: &World,

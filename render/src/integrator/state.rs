@@ -117,5 +117,6 @@ pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
     match survival {
         Survival::Constant(probability) => probability,
         Survival::Throughput { max } => reflected.max_element().min(max),
+        Survival::RootThroughput => reflected.max_element().sqrt().min(1.0),
     }
 }

@@ -1,5 +1,7 @@
 //! All paths of a batch, side by side: rays → hits → a step of each path → shadow rays and next rays.
 
+mod order;
+
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
@@ -11,7 +13,7 @@ use super::media::{Arrival, Media};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
-use crate::material::{Closure, Kind};
+use crate::material::Closure;
 use crate::world::{Hit, MIDDLE, Surface, World};
 
 /// The step of paths at their surfaces, which differs between integrators.
@@ -260,46 +262,6 @@ impl Wavefront {
                 *hit = Hit::MISS;
             }
         }
-    }
-
-    /// Sorts the paths by the kind of closure that they have hit, and otherwise leaves them in their order. Gives where
-    /// each kind ends in [`order`](Self::order); behind the last one are the paths that hit nothing.
-    pub(super) fn sort_by_kind(&mut self, world: &World) -> [usize; Kind::COUNT] {
-        self.order.resize(self.hits.len(), 0);
-        if !world.has_closures() {
-            return [self.hits_first(); Kind::COUNT];
-        }
-        let kind = |hit: &Hit| if hit.is_hit() { world.kind(hit.prim_id) as usize } else { Kind::COUNT };
-        let mut counts = [0; Kind::COUNT + 1];
-        for hit in &self.hits {
-            counts[kind(hit)] += 1;
-        }
-        let mut places = [0; Kind::COUNT + 1];
-        for i in 1..places.len() {
-            places[i] = places[i - 1] + counts[i - 1];
-        }
-        for (number, hit) in (0..).zip(&self.hits) {
-            let place = &mut places[kind(hit)];
-            self.order[*place] = number;
-            *place += 1;
-        }
-        std::array::from_fn(|i| places[i])
-    }
-
-    /// Puts the paths that hit something first, where they are all of one kind; gives their number.
-    fn hits_first(&mut self) -> usize {
-        let Self { hits, order, .. } = self;
-        let mut end = 0;
-        // Written in any case, as a branch would be unpredictable.
-        for (number, hit) in (0..).zip(hits.iter()) {
-            order[end] = number;
-            end += usize::from(hit.is_hit());
-        }
-        let misses = (0..).zip(hits.iter()).filter(|(_, hit)| !hit.is_hit());
-        for (place, (number, _)) in order[end..].iter_mut().zip(misses) {
-            *place = number;
-        }
-        end
     }
 
     /// Reserves room for `count` more continuing paths after the first `kept`.

@@ -89,6 +89,9 @@ pub enum Survival {
         /// The greatest probability, more than 0 and at most 1.
         max: f32,
     },
+    /// The square root of that channel: paths go on for longer, and clear glass ends none of them. Of a path that a
+    /// guide leads, the reflectance of its last surface.
+    RootThroughput,
 }
 
 /// The options of the exponential estimator.
@@ -286,7 +289,7 @@ impl Default for Stop {
 
 impl Default for Survival {
     fn default() -> Self {
-        Self::Throughput { max: 0.95 }
+        Self::RootThroughput
     }
 }
 

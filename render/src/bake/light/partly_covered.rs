@@ -1,7 +1,7 @@
 //! Texels of which something close in front covers a part.
 //!
-//! Light beneath a rug, or between a ceiling and the lamps below it, differs from that beside it, and rays from the room see
-//! the part beside alone. So a texel's mean says nothing about what they see there.
+//! Light beneath a rug, or between a ceiling and the lamps below it, differs from that beside it, and rays from the room
+//! see the part beside alone. So a texel's mean says nothing about what they see there.
 
 use halfdome_kernel::Ray;
 

@@ -3,8 +3,8 @@
 //! Then only the directions of the rays are random, so that a gather needs a fraction of the rays of one that follows
 //! paths. Where the map has no value, as on backs and behind mirrors and glass, a path finds the light.
 //!
-//! Rough gloss reflects lamps and the sun as wide patches that one sees on the walls. There a light sample adds what the
-//! closure `f` reflects of direct light beyond that, `∫ (f - ρ/π) L_direct cos θ dω`, which may be negative.
+//! Rough gloss reflects lamps and the sun as wide patches that one sees on the walls. There a light sample adds what
+//! the closure `f` reflects of direct light beyond that, `∫ (f - ρ/π) L_direct cos θ dω`, which may be negative.
 //!
 //! Deviation: rough gloss reflects indirect light as diffuse surfaces do.
 

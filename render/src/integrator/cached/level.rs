@@ -209,7 +209,8 @@ impl Level<'_> {
             key: site.point.key,
             position: surface.position,
             normal: surface.shading_normal,
-            irradiance: gather.irradiance,
+            // Differences to a map may be negative.
+            irradiance: gather.irradiance.max(Vec3::ZERO),
             standard_error: gather.standard_error,
             rotational: gather.rotational,
             translational: gather.translational,

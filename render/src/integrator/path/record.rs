@@ -212,8 +212,8 @@ impl Advance<'_, '_> {
         self.recorder.iter_mut().for_each(|recorder| recorder.memory.aimed.push(states));
     }
 
-    /// The states of path `i` if it continues in a direction, by a delta function or not; its lobe is chosen by an unused
-    /// number of the path's set for the bounce.
+    /// The states of path `i` if it continues in a direction, by a delta function or not; its lobe is chosen by an
+    /// unused number of the path's set for the bounce.
     fn states_onwards<C: BlockClosures>(
         &self,
         closures: &C,

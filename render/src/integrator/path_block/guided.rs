@@ -27,7 +27,12 @@ impl<'a> GuidedBlock<'a> {
     /// the more light there is where they go.
     pub(in crate::integrator) fn roulette(&self, block: &mut PathBlock, survival: Survival) {
         for i in 0..block.len {
-            let by_chance = survive(survival, block.reflectance.get(i));
+            // What a guided path has lost says little, as it goes where light is. The root is of a square.
+            let reflectance = block.reflectance.get(i);
+            let by_chance = match survival {
+                Survival::RootThroughput => survive(survival, reflectance * reflectance),
+                _ => survive(survival, reflectance),
+            };
             block.survival[i] = if block.aims(i) { by_chance } else { 1.0 };
         }
     }

@@ -191,8 +191,8 @@ impl World {
 }
 
 impl LightInMirrors<'_> {
-    /// Writes the starts for a point, the strongest first, of the searches that are worth it: of those weaker than `always`,
-    /// a part in proportion to their strength.
+    /// Writes the starts for a point, the strongest first, of the searches that are worth it: of those weaker than
+    /// `always`, a part in proportion to their strength.
     pub(crate) fn find_starts(&self, point: Vec3, always: f32, starts: &mut Starts) {
         let distance_squared = self.light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
         starts.count = 0;

@@ -79,6 +79,17 @@ pub(super) fn read(
     }
 }
 
+/// Whether a light is a spot at a node whose axes are not equally long, by a hundredth, or not at right angles.
+pub(super) fn is_stretched_spot(light: &Light, placed: &Placed) -> bool {
+    let linear = placed.linear();
+    let axes = [linear.x_axis, linear.y_axis, linear.z_axis];
+    let lengths = DVec3::from_array(axes.map(|axis| axis.length()));
+    let [x, y, z] = axes.map(DVec3::normalize_or_zero);
+    let is_sheared = DVec3::new(x.dot(y), y.dot(z), z.dot(x)).abs().max_element() > 0.01;
+    let is_spot = matches!(light.type_, Checked::Valid(Type::Spot));
+    is_spot && (is_sheared || lengths.max_element() > 1.01 * lengths.min_element())
+}
+
 /// The largest sun, in radians.
 const MAX_ANGLE: f32 = 3.125;
 

@@ -243,6 +243,7 @@ fn read(
         if let Some(index) = lights.map(|lights| lights.light) {
             let light = document.object(index, "light", &place)?;
             skipped.ranges += usize::from(light.range.is_some());
+            skipped.stretched_spots += usize::from(light::is_stretched_spot(light, placed));
             let name = node.name.as_ref().or(light.name.as_ref()).cloned().unwrap_or_default();
             let label = LightLabel { name, ..LightLabel::default() };
             scene.add_light(light::read(&document, light, index.value(), placed)?, label);

@@ -15,6 +15,7 @@ pub(super) struct Skipped {
     /// Primitives.
     pub(super) miscounted: usize,
     pub(super) ranges: usize,
+    pub(super) stretched_spots: usize,
 }
 
 impl Skipped {
@@ -30,6 +31,12 @@ impl Skipped {
             (self.miscounted, "primitive has", "primitives have", "not as many morph targets as weights"),
             (self.weightless, "vertex is", "vertices are", "bound to the first listed joint: weights are missing"),
             (self.ranges, "light has", "lights have", "a range, which is ignored"),
+            (
+                self.stretched_spots,
+                "spot has",
+                "spots have",
+                "a node that is scaled unevenly: cones stay round, where Blender makes them ellipses",
+            ),
         ];
         let counts = counts.iter().filter(|(number, ..)| *number > 0);
         counts

@@ -41,8 +41,8 @@ options! {
         /// --stop roulette: number of surfaces before roulette starts [default: 3]
         #[arg(value_name = "N", allow_hyphen_values = true)]
         roulette_after: u32 = value::number, in "render";
-        /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95 [default:
-        /// throughput]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
+        /// --stop roulette: probability of survival, or `throughput` for that of the path, at most 0.95, or
+        /// `root` for its square root [default: root]. montecarlo: continue after the bounces by roulette, one ray per surface [default: off]
         #[arg(value_name = "P", allow_hyphen_values = true)]
         survival: Survival = value::survival, in "render";
         /// path, heat: clamp contributions after two reflections and more to this radiance: fewer fireflies, less light

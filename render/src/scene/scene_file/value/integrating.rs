@@ -29,13 +29,14 @@ pub(in crate::scene) fn fraction(value: &Value) -> Reading<f32> {
     }
 }
 
-/// The survival probability of a path, or the word for one by its throughput.
+/// The survival probability of a path, or the word for one by its throughput or that one's root.
 pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
     match value {
-        Value::Text(text) if text == "throughput" => Ok(Survival::default()),
+        Value::Text(text) if text == "root" => Ok(Survival::RootThroughput),
+        Value::Text(text) if text == "throughput" => Ok(Survival::Throughput { max: 0.95 }),
         _ => match value.finite() {
             Some(probability) if probability > 0.0 && probability <= 1.0 => Ok(Survival::Constant(probability)),
-            _ => expected("`throughput`, or a probability, more than 0 and at most 1"),
+            _ => expected("`root`, `throughput`, or a probability, more than 0 and at most 1"),
         },
     }
 }

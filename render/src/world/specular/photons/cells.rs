@@ -1,8 +1,8 @@
 //! The photons of one light in cells around where they arrive.
 //!
-//! Cells are cubes, of a power of two wide: a photon is in those of the level that its footprint's extent gives, which it
-//! may light. A point asks one cell a level for photons of at least some irradiance. Most have none: which, a coarse grid
-//! knows, whose entries for a place are side by side in memory.
+//! Cells are cubes, of a power of two wide: a photon is in those of the level that its footprint's extent gives, which
+//! it may light. A point asks one cell a level for photons of at least some irradiance. Most cells have none; a coarse
+//! grid tells which have, with all levels of a place side by side in memory.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -170,7 +170,8 @@ impl Cells {
         point.cmpge(self.bounds.min).all() && point.cmple(self.bounds.max).all()
     }
 
-    /// Adds the starts for a point by photons of at least this irradiance, without those that lead to the same connection.
+    /// Adds the starts for a point by photons of at least this irradiance, without those that lead to the same
+    /// connection.
     pub(super) fn find(&self, point: Vec3, irradiance: f32, starts: &mut Starts) {
         if !self.may_reach(point) {
             return;

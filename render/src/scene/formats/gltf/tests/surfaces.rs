@@ -121,6 +121,24 @@ fn lights() {
     assert!(cos_outer < cos_inner);
 }
 
+#[test]
+fn cones_of_stretched_spots_are_told() {
+    let warnings = |scale: [f32; 3], kind: &str| {
+        let mut document = lit(json!([{"type": kind, "spot": {"outerConeAngle": FRAC_PI_3}}]));
+        for node in document["nodes"].as_array_mut().unwrap() {
+            node["scale"] = json!(scale);
+        }
+        parse(document).unwrap().warnings
+    };
+    assert_eq!(warnings([2.0, 2.0, -2.0], "spot"), [""; 0]);
+    assert_eq!(warnings([1.0, 1.0, 0.5], "point"), [""; 0]);
+    for scale in [[3.0, 1.0, 1.0], [1.0, 1.0, 0.5]] {
+        let expected = "model.gltf: 1 spot has a node that is scaled unevenly: cones stay round, where Blender makes them \
+                        ellipses";
+        assert_eq!(warnings(scale, "spot"), [expected]);
+    }
+}
+
 /// Blender writes a spot without blend so.
 #[test]
 fn a_cone_of_one_angle_has_a_hard_edge() {
