@@ -41,8 +41,8 @@ use warnings::warnings;
 
 pub use files::checkpoint::{Checkpoint, STATE_EXTENSION};
 pub use files::hashes::{combined, hashes};
-pub use files::moved::way;
 pub use files::picture::charts_picture;
+pub use files::relocated::way;
 pub use files::{gltf, manifest, obj, report};
 pub use finish::dilate::TexelSource;
 pub use layout::left_out::LeftOut;

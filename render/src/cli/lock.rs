@@ -18,17 +18,38 @@ impl Lock {
         let mut name = output.as_os_str().to_owned();
         name.push(".lock");
         let path = PathBuf::from(name);
-        let file = File::create(&path)
-            .map_err(|error| CliError::System(format!("{}: cannot be written: {error}", path.display())))?;
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) => Err(invalid(
-                format!("{}: another run is {work}", output.display()),
-                "wait for it, stop it, or give this run an output of its own",
-            )),
-            // Some network file systems do not support locks.
-            Ok(()) | Err(TryLockError::Error(_)) => Ok(Self { path, _file: file }),
+        loop {
+            let file = File::create(&path)
+                .map_err(|error| CliError::System(format!("{}: cannot be written: {error}", path.display())))?;
+            match file.try_lock() {
+                Err(TryLockError::WouldBlock) => {
+                    return Err(invalid(
+                        format!("{}: another run is {work}", output.display()),
+                        "wait for it, stop it, or give this run an output of its own",
+                    ));
+                }
+                // A run that ended in between removed the file: others would lock a new one.
+                Ok(()) if !is_at(&path, &file) => {}
+                // Some network file systems do not support locks.
+                Ok(()) | Err(TryLockError::Error(_)) => return Ok(Self { path, _file: file }),
+            }
         }
     }
+}
+
+/// Whether the file is still the one of this path.
+#[cfg(unix)]
+fn is_at(path: &Path, file: &File) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+
+    let [there, open] = [fs::metadata(path), file.metadata()].map(|found| found.map(|it| (it.dev(), it.ino())).ok());
+    there.is_some() && there == open
+}
+
+/// Where the system does not tell, it is taken to be.
+#[cfg(not(unix))]
+fn is_at(_: &Path, _: &File) -> bool {
+    true
 }
 
 impl Drop for Lock {
@@ -54,5 +75,18 @@ mod tests {
         drop(first);
         drop(Lock::new(&output, "baking this model").unwrap());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_that_was_removed_or_replaced_is_not_the_one_of_its_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("level.json.lock");
+        let first = File::create(&path).unwrap();
+        assert!(is_at(&path, &first));
+        fs::remove_file(&path).unwrap();
+        assert!(!is_at(&path, &first));
+        let second = File::create(&path).unwrap();
+        assert!(!is_at(&path, &first) && is_at(&path, &second));
     }
 }

@@ -17,6 +17,7 @@ mod progress;
 mod tev;
 mod usage;
 
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 use halfdome_kernel::{Isa, Level};
@@ -36,7 +37,7 @@ pub fn main() -> ExitCode {
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(mut error) => {
-            suggest(&mut error);
+            suggest(&mut error, &std::env::args_os().skip(1).collect::<Vec<_>>());
             // Help and version are "errors" that go to stdout; nothing is left to do if even printing fails.
             let _ = error.print();
             return ExitCode::from(if error.use_stderr() { EXIT_INPUT } else { EXIT_DONE });
@@ -69,18 +70,22 @@ pub fn main() -> ExitCode {
     }))
 }
 
-/// Suggests the option that is meant by the name that other renderers have for it: the nearest spelling may be another.
-fn suggest(error: &mut clap::Error) {
-    const NAMES: [(&str, &str); 2] = [("--samples", "--spp"), ("--resolution", "--size")];
+/// Suggests the option that is meant by the name that other renderers have for it, if the subcommand of these arguments
+/// has it: the nearest spelling may be another.
+fn suggest(error: &mut clap::Error, arguments: &[OsString]) {
+    const NAMES: [(&str, &str); 2] = [("--samples", "spp"), ("--resolution", "size")];
     let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidArg) else { return };
-    let meant = NAMES.iter().find(|(name, _)| name == given);
-    if let (ErrorKind::UnknownArgument, Some((_, meant))) = (error.kind(), meant) {
-        error.insert(ContextKind::SuggestedArg, ContextValue::String((*meant).to_owned()));
-        // The usage shows the option that was suggested by its spelling.
-        if let Some(ContextValue::StyledStr(usage)) = error.get(ContextKind::Usage) {
-            let usage = usage.to_string().replace("--sampler <NAME>", "--spp <N>");
-            error.insert(ContextKind::Usage, ContextValue::StyledStr(usage.into()));
-        }
+    let Some((_, meant)) = NAMES.iter().find(|(name, _)| name == given) else { return };
+    let root = Arguments::command();
+    let mut subcommand = &root;
+    for argument in arguments {
+        subcommand = subcommand.find_subcommand(argument).unwrap_or(subcommand);
+    }
+    let is_known = subcommand.get_arguments().any(|argument| argument.get_long() == Some(meant));
+    if error.kind() == ErrorKind::UnknownArgument && is_known {
+        error.insert(ContextKind::SuggestedArg, ContextValue::String(format!("--{meant}")));
+        // It shows the option that was suggested by its spelling.
+        error.remove(ContextKind::Usage);
     }
 }
 
@@ -96,4 +101,31 @@ fn check_isa() -> Result<(), CliError> {
         "HALFDOME_ISA is {wanted:?}, which this machine does not support\n  help: unset it, or use one of {}",
         known.join(", ")
     )))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn told(line: &str) -> String {
+        let arguments: Vec<OsString> = line.split(' ').map(OsString::from).collect();
+        let mut error = Arguments::try_parse_from(&arguments).unwrap_err();
+        suggest(&mut error, &arguments[1..]);
+        error.to_string()
+    }
+
+    #[test]
+    fn options_are_suggested_by_the_names_of_other_renderers_where_there_are_such() {
+        for (line, option) in [
+            ("halfdome render cornell --samples 3", "--spp"),
+            ("halfdome bake a.glb -o b.glb --samples 3", "--spp"),
+            ("halfdome render cornell --resolution 640x480", "--size"),
+        ] {
+            let told = told(line);
+            assert!(told.contains(&format!("similar argument exists: '{option}'")), "{told}");
+            assert!(!told.contains("Usage:"), "{told}");
+        }
+        let without = told("halfdome denoise a.exr -o b.exr --samples 3");
+        assert!(without.contains("unexpected argument '--samples'") && !without.contains("--spp"), "{without}");
+    }
 }

@@ -1,10 +1,7 @@
 //! The options of a render that its film must agree with, as they are written on the command line, for films' headers.
 
 use crate::cache;
-use crate::settings::{
-    AoOptions, AoWeighting, DirectOptions, Filter, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
-    PathOptions, Stop, Survival,
-};
+use crate::settings::{AoOptions, DirectOptions, Filter, Integrator, MonteCarloOptions, PathOptions, Stop, Survival};
 
 /// Options and their values.
 pub(super) type Named = Vec<(String, String)>;
@@ -25,21 +22,15 @@ pub(super) fn of_integrator(integrator: &Integrator) -> Named {
         Integrator::MonteCarlo(MonteCarloOptions { bounces, rays, sampling, tail }) => vec![
             option("bounces", bounces),
             option("rays", rays),
-            option("sampling", hemisphere_sampling(*sampling)),
+            option("sampling", sampling.name()),
             option("survival", tail.map_or("off".to_owned(), survival)),
         ],
         Integrator::Direct(DirectOptions { max_depth }) => vec![option("max-depth", max_depth)],
         Integrator::Ao(AoOptions { weighting, max_distance, rays, sampling }) => vec![
-            option(
-                "ao-weighting",
-                match weighting {
-                    AoWeighting::CacheMisses => "misses",
-                    AoWeighting::HitLength => "hit-length",
-                },
-            ),
+            option("ao-weighting", weighting.name()),
             option("ao-distance", or(*max_distance, "the scene's diagonal")),
             option("rays", rays),
-            option("sampling", hemisphere_sampling(*sampling)),
+            option("sampling", sampling.name()),
         ],
         Integrator::Cached(options) => {
             cache::named(options).into_iter().map(|(name, value)| option(name, value)).collect()
@@ -49,14 +40,9 @@ pub(super) fn of_integrator(integrator: &Integrator) -> Named {
 }
 
 fn of_path(PathOptions { max_depth, lights, stop, clamp_indirect, guide }: &PathOptions) -> Named {
-    let lights = match lights {
-        LightSampling::Naive => "naive",
-        LightSampling::Direct => "direct",
-        LightSampling::Mis => "mis",
-    };
     let mut named = vec![
         option("max-depth", max_depth),
-        option("lights", lights),
+        option("lights", lights.name()),
         option("stop", stop.name()),
         option("clamp-indirect", or(*clamp_indirect, "off")),
         option("guide", or(*guide, "off")),
@@ -81,15 +67,6 @@ fn survival(of: Survival) -> String {
     }
 }
 
-fn hemisphere_sampling(of: HemisphereSampling) -> &'static str {
-    match of {
-        HemisphereSampling::Uniform => "uniform",
-        HemisphereSampling::Cosine => "cosine",
-        HemisphereSampling::Stratified => "stratified",
-        HemisphereSampling::StratifiedUniform => "stratified-uniform",
-    }
-}
-
 fn or(value: Option<impl ToString>, otherwise: &str) -> String {
     value.map_or(otherwise.to_owned(), |value| value.to_string())
 }
@@ -101,6 +78,50 @@ fn option(name: &str, value: impl ToString) -> (String, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::settings::{
+        AoWeighting, CachedOptions, GatherLayout, Gradients, HemisphereSampling, LightSampling, Metric,
+    };
+
+    /// Integrators with each option once at another value.
+    fn other_integrators() -> Vec<Integrator> {
+        let (cosine, uniform) = (HemisphereSampling::Cosine, HemisphereSampling::Uniform);
+        let montecarlo = MonteCarloOptions { bounces: 7, rays: 5, sampling: cosine, tail: None };
+        let tail = |survival: Survival| MonteCarloOptions { tail: Some(survival), ..montecarlo.clone() };
+        let ao = AoOptions { weighting: AoWeighting::CacheMisses, max_distance: Some(2.0), rays: 7, sampling: cosine };
+        let cached = CachedOptions::default();
+        let all_montecarlo = [
+            MonteCarloOptions { bounces: 8, ..montecarlo.clone() },
+            MonteCarloOptions { rays: 6, ..montecarlo.clone() },
+            MonteCarloOptions { sampling: uniform, ..montecarlo.clone() },
+            tail(Survival::Constant(0.5)),
+            tail(Survival::Constant(0.25)),
+            tail(Survival::Throughput { max: 0.5 }),
+            montecarlo,
+        ];
+        let all_ao = [
+            AoOptions { weighting: AoWeighting::HitLength, ..ao.clone() },
+            AoOptions { max_distance: Some(3.0), ..ao.clone() },
+            AoOptions { max_distance: None, ..ao.clone() },
+            AoOptions { rays: 8, ..ao.clone() },
+            AoOptions { sampling: uniform, ..ao.clone() },
+            ao,
+        ];
+        let all_cached = [
+            CachedOptions { error: 0.2, ..cached },
+            CachedOptions { gradients: Gradients::Off, ..cached },
+            CachedOptions { metric: Metric::Bounded, ..cached },
+            CachedOptions { layout: GatherLayout::Hemicube, ..cached },
+            CachedOptions { rays: 100, ..cached },
+            CachedOptions { bounces: Some(2), ..cached },
+            CachedOptions { bounces: Some(3), ..cached },
+            CachedOptions { accuracy: Some(0.01), ..cached },
+            CachedOptions { accuracy: Some(0.02), ..cached },
+        ];
+        let direct = [6, 7].map(|max_depth| Integrator::Direct(DirectOptions { max_depth }));
+        let others =
+            all_montecarlo.into_iter().map(Integrator::MonteCarlo).chain(all_ao.into_iter().map(Integrator::Ao));
+        others.chain(direct).chain(all_cached.into_iter().map(Integrator::Cached)).collect()
+    }
 
     /// Otherwise films with different options would pass for parts of one picture.
     #[test]
@@ -121,9 +142,10 @@ mod tests {
         assert!(all[0].contains(&("--max-depth".to_owned(), "3".to_owned())), "{:?}", all[0]);
         all.push(of_integrator(&Integrator::Path(path)));
         all.extend(Integrator::NAMES[1..6].iter().map(|name| of_integrator(&Integrator::named(name).unwrap())));
+        all.extend(other_integrators().iter().map(of_integrator));
         all.extend(
-            [("mitchell", 4.0), ("mitchell", 3.0), ("tent", 3.0)]
-                .map(|(name, width)| of_filter(&Filter::from_name(name, Some(width), None).unwrap())),
+            [("mitchell", 4.0, None), ("mitchell", 3.0, None), ("mitchell", 3.0, Some(0.5)), ("tent", 3.0, None)]
+                .map(|(name, width, sharpness)| of_filter(&Filter::from_name(name, Some(width), sharpness).unwrap())),
         );
         for (i, named) in all.iter().enumerate() {
             assert!(!all[..i].contains(named), "{named:?}");

@@ -19,6 +19,7 @@ pub(crate) use automaton::{Alphabet, Automaton};
 use event::Pattern;
 pub use event::{Event, Kind, Scattering};
 pub use parse::LpeError;
+pub(crate) use unmatched::Unmatched;
 
 /// A light path expression.
 #[derive(Clone, Debug, PartialEq, Eq)]

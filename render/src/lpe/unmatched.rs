@@ -3,15 +3,33 @@
 use super::Expression;
 use super::event::{Event, Pattern};
 
+/// A label that no event has where an expression names it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Unmatched<'a> {
+    /// The label.
+    pub label: &'a str,
+    /// Its place: 0 for the first label of an event.
+    pub place: usize,
+    pattern: &'a Pattern,
+}
+
+impl Unmatched<'_> {
+    /// Whether its pattern is for events of this one's kind.
+    pub(crate) fn is_for(&self, event: &Event) -> bool {
+        self.pattern.has_kind_of(event)
+    }
+}
+
 impl Expression {
-    /// The labels that it names and that no event of their kind has in their place, each once, with that place: 0 for
-    /// the first label of an event.
-    pub(crate) fn unmatched_labels(&self, events: &[Event]) -> Vec<(&str, usize)> {
-        let mut unmatched = Vec::new();
+    /// The labels that it names and that no event of their kind has in their place, each once for each kind.
+    pub(crate) fn unmatched_labels(&self, events: &[Event]) -> Vec<Unmatched<'_>> {
+        let mut unmatched: Vec<Unmatched> = Vec::new();
         self.node.patterns(&mut |pattern| {
             pattern.placed(&mut |place, label| {
-                if !pattern.finds(events, place, label) && !unmatched.contains(&(label, place)) {
-                    unmatched.push((label, place));
+                let is_same =
+                    |it: &Unmatched| it.label == label && it.place == place && it.pattern.kind == pattern.kind;
+                if !pattern.finds(events, place, label) && !unmatched.iter().any(is_same) {
+                    unmatched.push(Unmatched { label, place, pattern });
                 }
             });
         });

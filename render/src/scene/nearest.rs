@@ -1,11 +1,12 @@
 //! "Did you mean": the known word nearest to a misspelt one.
 
 /// The entry of `known` nearest to `word` by Damerau and Levenshtein's distance, if it is near: at most a third of the
-/// word's letters, and at least one, may differ.
+/// word's letters, and at least one, may differ. Case does not matter.
 pub(crate) fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     let allowed = (word.chars().count() / 3).max(1);
-    let distances = known.iter().map(|&candidate| (strsim::damerau_levenshtein(&word, candidate), candidate));
+    let distances =
+        known.iter().map(|&candidate| (strsim::damerau_levenshtein(&word, &candidate.to_lowercase()), candidate));
     distances.filter(|&(distance, _)| distance <= allowed).min_by_key(|&(distance, _)| distance).map(|(_, word)| word)
 }
 
@@ -31,6 +32,7 @@ mod tests {
         let known = ["width", "height", "filter", "filter_width"];
         assert_eq!(nearest("widht", &known), Some("width"));
         assert_eq!(nearest("Filter", &known), Some("filter"));
+        assert_eq!(nearest("Flor", &["Ceiling", "Floor"]), Some("Floor"));
         assert_eq!(nearest("filterwidth", &known), Some("filter_width"));
         assert_eq!(nearest("resolution", &known), None);
         assert_eq!(nearest("", &known), None);

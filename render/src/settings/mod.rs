@@ -5,6 +5,7 @@ mod cached;
 mod cryptomatte;
 mod filter;
 mod integrator;
+mod names;
 mod shard;
 
 use halfdome_kernel::Quality;

@@ -61,7 +61,7 @@ fn a_frame_is_chosen_by_option_or_scene_file() {
     }
     let table = desk.run("info m.glb").stdout;
     assert!(table.contains("\nanimation           Slide, 0.000 to 0.083 s\n"), "{table}");
-    desk.refuses("render m.glb --frame 1 --animation Slid", 1, &["no animation \"Slid\"", "known are Slide"]);
+    desk.refuses("render m.glb --frame 1 --animation Slid", 1, &["no animation \"Slid\"", "did you mean `Slide`?"]);
     desk.refuses("render m.glb --frame x", 1, &["expected a number of a frame"]);
     let still = desk.run("info t.obj --frame 3").stdout;
     assert!(still.contains("the scene has no animations, so all its frames are the same"), "{still}");

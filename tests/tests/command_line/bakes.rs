@@ -13,23 +13,30 @@ const FAST: &str = "--sky 1 --size 32 --spp 1 --record-rays 64 --progress none";
 #[test]
 fn a_second_bake_of_one_output_is_refused() {
     let desk = Desk::new();
+    desk.program().put("m.gltf", model::document().to_string());
     // Hours long.
     let line = "bake t.obj -o out.obj --sky 1 --brute --record-rays 65536 --spp 65536 --size 2048 --progress none";
     let arguments: Vec<&str> = line.split(' ').collect();
     let mut run = desk.program().command(&arguments).spawn().unwrap();
     let start = Instant::now();
-    while !desk.folder.path().join("out.obj.lock").exists() {
+    while !desk.folder.path().join("out.json.lock").exists() {
         assert!(start.elapsed() < Duration::from_secs(60) && run.try_wait().unwrap().is_none(), "no lock");
     }
-    let other = desk.run(&format!("bake t.obj -o out.obj {FAST}"));
+    // Both formats share the manifest and the maps.
+    let others = ["out.obj", "out.gltf"].map(|output| {
+        let source = if output == "out.obj" { "t.obj" } else { "m.gltf" };
+        desk.run(&format!("bake {source} -o {output} {FAST}"))
+    });
     run.kill().unwrap();
     run.wait().unwrap();
-    assert_eq!(other.code, Some(1), "{}", other.stderr);
-    assert!(other.stderr.contains("out.obj: another run is baking this model"), "{}", other.stderr);
+    for other in others {
+        assert_eq!(other.code, Some(1), "{}", other.stderr);
+        assert!(other.stderr.contains("out.json: another run is baking to files of this name"), "{}", other.stderr);
+    }
     // A lock ends with its run.
     let after = desk.run(&format!("bake t.obj -o out.obj {FAST}"));
     assert_eq!(after.code, Some(0), "{}", after.stderr);
-    assert!(!desk.folder.path().join("out.obj.lock").exists());
+    assert!(!desk.folder.path().join("out.json.lock").exists());
 }
 
 #[test]

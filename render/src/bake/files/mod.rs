@@ -5,7 +5,7 @@ pub(super) mod checkpoint;
 pub mod gltf;
 pub(super) mod hashes;
 pub mod manifest;
-pub(super) mod moved;
 pub mod obj;
 pub(super) mod picture;
+pub(super) mod relocated;
 pub mod report;

@@ -3,7 +3,7 @@
 //! Positions are the scene's, in world space. OBJ counts v from below, so it is turned; the page of a group is in its
 //! name. Materials are those of the libraries that the old model names, if it is an OBJ.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use crate::bake::layout::atlas::{Atlas, Part};
@@ -16,10 +16,11 @@ pub fn write(scene: &Scene, atlas: &Atlas, libraries: &[String]) -> String {
     for library in libraries {
         let _ = writeln!(text, "mtllib {library}");
     }
-    let mut parts_of: BTreeMap<&str, usize> = BTreeMap::new();
-    for part in &atlas.parts {
-        *parts_of.entry(&scene.meshes[part.mesh].name).or_default() += 1;
-    }
+    let meshes = atlas.parts.iter().map(|part| match scene.meshes[part.mesh].name.as_str() {
+        "" => format!("mesh{}", part.mesh),
+        name => one_line(name),
+    });
+    let names = distinct(&meshes.collect::<Vec<_>>());
     let (mut first, mut first_normal) = (1, 1);
     let material = |part: &Part| &scene.materials[scene.meshes[part.mesh].material].name;
     // A name of a material holds until the next one, so parts without come first.
@@ -27,9 +28,7 @@ pub fn write(scene: &Scene, atlas: &Atlas, libraries: &[String]) -> String {
     parts.sort_by_key(|(_, part)| !material(part).is_empty());
     for (number, part) in parts {
         let mesh = &scene.meshes[part.mesh];
-        let name = if mesh.name.is_empty() { format!("mesh{}", part.mesh) } else { one_line(&mesh.name) };
-        let number = if parts_of[mesh.name.as_str()] > 1 { format!(".{number}") } else { String::new() };
-        let _ = writeln!(text, "o {name}{number}\ng page{}", part.page);
+        let _ = writeln!(text, "o {}\ng page{}", names[number], part.page);
         let material = material(part);
         if !material.is_empty() {
             let _ = writeln!(text, "usemtl {}", one_line(material));
@@ -61,7 +60,45 @@ pub fn write(scene: &Scene, atlas: &Atlas, libraries: &[String]) -> String {
     text
 }
 
+/// The names, with numbers behind those that are there more than once, which make no name that is there already.
+fn distinct<'a>(names: &'a [String]) -> Vec<String> {
+    let mut taken: BTreeSet<String> = names.iter().cloned().collect();
+    let mut uses: BTreeMap<&str, usize> = BTreeMap::new();
+    for name in names {
+        *uses.entry(name).or_default() += 1;
+    }
+    // The next number of each.
+    let mut next: BTreeMap<&str, usize> = BTreeMap::new();
+    let distinct = |name: &'a String| {
+        if uses[name.as_str()] == 1 {
+            return name.clone();
+        }
+        let number = next.entry(name).or_default();
+        loop {
+            let numbered = format!("{name}.{number}");
+            *number += 1;
+            if taken.insert(numbered.clone()) {
+                return numbered;
+            }
+        }
+    };
+    names.iter().map(distinct).collect()
+}
+
 /// A name without the ends of lines, which would end it.
 fn one_line(name: &str) -> String {
     name.split(['\n', '\r']).collect::<Vec<_>>().join("_")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_behind_names_make_no_other_name() {
+        let names = ["a", "a", "a.1", "b", "a"].map(str::to_owned);
+        assert_eq!(distinct(&names), ["a.0", "a.2", "a.1", "b", "a.3"]);
+        let names = ["a.0", "a", "a.0", "a", "a.0.1"].map(str::to_owned);
+        assert_eq!(distinct(&names), ["a.0.0", "a.1", "a.0.2", "a.2", "a.0.1"]);
+    }
 }

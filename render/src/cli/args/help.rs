@@ -8,9 +8,9 @@ Exit codes:
   2  the system failed, for example while writing a file; `view` has no
      display, or was built without its window
   3  interrupted (Ctrl-C, SIGTERM): `render` writes the picture so far
-     (of --frames only those that are done), `bake` the state for
-     --resume; `cubemap`, `denoise`, `probes` and `irradiance` write
-     nothing
+     (of --frames without --checkpoint or --resume only those that are
+     done), `bake` the state for --resume; `cubemap`, `denoise`,
+     `probes` and `irradiance` write nothing
   4  `render` ended at a limit before its target: --time before all
      samples, or --spp or --time before the error of --noise; the picture
      is written

@@ -26,7 +26,8 @@ use sequence::numbered;
 #[derive(Args, Clone, Debug)]
 pub(crate) struct OverrideArguments {
     /// Pixels across and down, for example 1280x720 [default: 512x512]
-    #[arg(long, value_name = "WxH", allow_hyphen_values = true, help_heading = "Film", conflicts_with_all = ["width", "height"])]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true, help_heading = "Film")]
+    #[arg(conflicts_with_all = ["width", "height"])]
     #[arg(value_parser = size)]
     size: Option<(u32, u32)>,
 
@@ -89,7 +90,8 @@ pub(crate) struct RenderArguments {
 
     /// Show the growing picture in tev, a viewer that must be running, here or elsewhere [default: off; without an
     /// address on this machine]
-    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true, default_missing_value = tev::ADDRESS)]
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true)]
+    #[arg(default_missing_value = tev::ADDRESS)]
     pub(crate) tev: Option<String>,
 
     /// Options of PNG pictures.

@@ -17,7 +17,8 @@ pub(in crate::cli) struct SequenceArguments {
     pub(in crate::cli) frames: Option<RangeInclusive<i32>>,
 
     /// Render every Nth of the frames
-    #[arg(long, value_name = "N", default_value = "1", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    #[arg(long, value_name = "N", default_value = "1", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     #[arg(requires = "frames")]
     step: u32,
 

@@ -6,6 +6,7 @@ mod inside;
 mod part;
 
 use std::io::IsTerminal;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -39,6 +40,9 @@ const BYTES: u64 = 150;
 /// ... and those with a cache.
 const CACHED_BYTES: u64 = 270;
 
+/// Sizes of pages.
+const SIZES: RangeInclusive<i64> = BakeOptions::MIN_SIZE as i64..=BakeOptions::MAX_SIZE as i64;
+
 /// The arguments of `halfdome bake`.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct BakeArguments {
@@ -66,7 +70,8 @@ pub(crate) struct BakeArguments {
     directional: Directional,
 
     /// Samples of direct light per texel; with --mode ao, rays per texel
-    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", default_value = "64", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", default_value = "64")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     /// Gather at every texel, without an irradiance cache, with the rays of a record
@@ -83,11 +88,12 @@ pub(crate) struct BakeArguments {
 
     /// Largest width and height of a page in texels
     #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, default_value = "1024", help_heading = "Layout")]
-    #[arg(value_parser = clap::value_parser!(u32).range(i64::from(BakeOptions::MIN_SIZE)..=i64::from(BakeOptions::MAX_SIZE)))]
+    #[arg(value_parser = clap::value_parser!(u32).range(SIZES))]
     size: u32,
 
     /// Texels per unit of length, on as many pages as that takes [default: what fits on one page]
-    #[arg(long, value_name = "TEXELS_PER_UNIT", allow_hyphen_values = true, help_heading = "Layout", value_parser = positive)]
+    #[arg(long, value_name = "TEXELS_PER_UNIT", allow_hyphen_values = true, help_heading = "Layout")]
+    #[arg(value_parser = positive)]
     density: Option<f32>,
 
     /// How the engine will filter the maps: bilinear or bicubic
@@ -131,7 +137,8 @@ pub(crate) struct BakeArguments {
     /// Bake shard K of N, 1 to N, of the texels without an irradiance cache, and write a state (-o PART.state): direct
     /// light, ambient occlusion, all light with --brute. `halfdome merge` joins the states; with the result beside the
     /// output, --resume does the rest
-    #[arg(long, value_name = "K/N", allow_hyphen_values = true, value_parser = shard, conflicts_with_all = ["report", "check_uv"])]
+    #[arg(long, value_name = "K/N", allow_hyphen_values = true, value_parser = shard)]
+    #[arg(conflicts_with_all = ["report", "check_uv"])]
     shard: Option<Shard>,
 
     /// Write an HTML report: charts, density, records and errors
@@ -195,6 +202,7 @@ pub(crate) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     let overrides = Overrides { instances: Some(Sharing::Never), ..arguments.light.overrides() };
     let pool = thread_pool(&arguments.common)?;
     if let Some(picture) = &arguments.check_uv {
+        check::check_name(picture.as_deref())?;
         let named = picture.as_slice();
         let Prepared { scene, settings, eye, .. } =
             pool.install(|| prepare_from(&arguments.scene, overrides, named, style))?;
@@ -213,12 +221,14 @@ pub(crate) fn run(arguments: &BakeArguments) -> Result<u8, CliError> {
     if let Some(shard) = arguments.shard {
         return run_shard(arguments, (output, overrides), shard, (&pool, style));
     }
-    let files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
-    // Two bakes would replace each other's state, and one would end with the maps of the other.
-    let _lock = Lock::new(output, "baking this model")?;
+    let mut files = Files::new(output, arguments.model()?.as_deref(), arguments.preset, arguments.report.as_deref())?;
+    // Two bakes would replace each other's state and maps. These and the manifest are named alike for .glb, .gltf and
+    // .obj.
+    let _lock = Lock::new(&files.manifest, "baking to files of this name")?;
     let named = files.named();
     let Prepared { mut scene, settings, eye, .. } =
         pool.install(|| prepare_from(&arguments.scene, overrides, &named, style))?;
+    files.find_references()?;
     let options = arguments.options(eye, settings.seed)?;
     warn(style, &mut scene.warnings);
     pool.install(|| bake(arguments, scene, &options, &files, style))

@@ -57,7 +57,8 @@ pub(crate) struct CubemapArguments {
 
     /// Standard error of a texel of the first level, in a scene: relative to its radiance, or to the mean radiance
     /// around it if that is more. Paths are traced until it is reached [default: 5%]
-    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, value_parser = value::argument(value::accuracy), conflicts_with = "spp")]
+    #[arg(long, value_name = "ERROR", allow_hyphen_values = true, conflicts_with = "spp")]
+    #[arg(value_parser = value::argument(value::accuracy))]
     accuracy: Option<f32>,
 
     /// Paths per texel of the first level, in a scene, instead of an accuracy

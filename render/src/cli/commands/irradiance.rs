@@ -44,7 +44,8 @@ pub(crate) struct IrradianceArguments {
     brute: bool,
 
     /// Samples of direct light per sensor [default: 64]; with --brute, paths per sensor [default: 1024]
-    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy")]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     spp: Option<u32>,
 
     /// Leave direct light out: only light reflected by surfaces, and the sky without the sun of its environment map

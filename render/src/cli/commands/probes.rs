@@ -37,7 +37,8 @@ pub(crate) struct ProbesArguments {
     outputs: Vec<PathBuf>,
 
     /// Number of probes along x, y and z, at the centres of the cells of a box, for example 8x4x8
-    #[arg(long, value_name = "NXxNYxNZ", allow_hyphen_values = true, value_parser = cells, required_unless_present = "points")]
+    #[arg(long, value_name = "NXxNYxNZ", allow_hyphen_values = true, value_parser = cells)]
+    #[arg(required_unless_present = "points")]
     grid: Option<[u32; 3]>,
 
     /// Lower corner of the box [default: the scene's]
@@ -56,11 +57,13 @@ pub(crate) struct ProbesArguments {
     points: Option<PathBuf>,
 
     /// Approximate number of paths per probe, for light reflected by surfaces and the sky
-    #[arg(long, value_name = "N", default_value = "2048", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(18..=16_777_216))]
+    #[arg(long, value_name = "N", default_value = "2048", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(18..=16_777_216))]
     rays: u32,
 
     /// Samples of direct light for each of two opposite sides of a probe
-    #[arg(long, value_name = "N", default_value = "256", allow_hyphen_values = true, value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", default_value = "256", allow_hyphen_values = true)]
+    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     #[command(flatten)]

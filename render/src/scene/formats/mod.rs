@@ -10,7 +10,7 @@ pub(super) mod load_options;
 pub(super) mod model;
 mod mtl;
 mod notes;
-mod obj;
+pub(crate) mod obj;
 mod pbrt;
 mod ply;
 mod ray_file;

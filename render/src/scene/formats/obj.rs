@@ -17,8 +17,9 @@
 mod lines;
 mod weld;
 
+use std::collections::BTreeSet;
 use std::mem;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -26,12 +27,16 @@ use rayon::prelude::*;
 use super::blocks::{Block, blocks, read_in_order};
 use super::load_options::Loading;
 use super::mtl;
+use super::statement::statements;
 use crate::scene::error::count;
 use crate::scene::meshes::polygon::Cutter;
 use crate::scene::texture::TextureStore;
 use crate::scene::{Files, LoadWatch, Material, Mesh, Scene, SceneError};
 use lines::{Change, Counts, Lines};
 use weld::{Run, Vertices};
+
+/// The format's name in errors.
+const FORMAT: &str = "an OBJ file";
 
 /// Stands for an index that a corner leaves out. The file is too short for it to be a real one.
 const NONE: u32 = u32::MAX;
@@ -66,6 +71,27 @@ pub(super) fn read(
         reader.take(lines)
     })?;
     Ok(reader.finish())
+}
+
+/// The material libraries that the OBJ file in `bytes` names and that are there, each once.
+///
+/// # Errors
+/// If it is not an OBJ file.
+pub(crate) fn libraries(files: &dyn Files, path: &Path, bytes: &[u8]) -> Result<Vec<PathBuf>, SceneError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut libraries = Vec::new();
+    for block in blocks(bytes, 1) {
+        for statement in statements(path, block, FORMAT) {
+            let statement = statement?;
+            if statement.keyword() == b"mtllib" {
+                let named = library_names(files, folder, &statement.name());
+                libraries.extend(named.iter().map(|name| folder.join(name)).filter(|file| files.contains(file)));
+            }
+        }
+    }
+    let mut seen = BTreeSet::new();
+    libraries.retain(|file| seen.insert(file.clone()));
+    Ok(libraries)
 }
 
 struct Reader<'a> {

@@ -9,8 +9,8 @@ use crate::scene::material::{CoatNormal, Input, Material};
 use crate::scene::texture::{ColorSpace, Texture, TextureMap};
 
 impl Material {
-    /// The table: values that differ from those of plain diffuse reflection, and in comments what a model's own
-    /// textures vary, since these have no file that could be named.
+    /// The table: colour, gloss, and values that differ from those of plain diffuse reflection; in comments what a
+    /// model's own textures vary, since these have no file that could be named.
     pub fn to_toml(&self, textures: &[Texture]) -> String {
         let mut text = format!("[[material]]\nname = {}\n", quoted(&self.name));
         let mut line = |key: &str, value: String| {
@@ -18,9 +18,15 @@ impl Material {
             let _ = writeln!(text, "{key} = {value}");
         };
         let plain = Inputs::default();
+        let has_gloss = self.inputs.specular_weight > 0.0 || self.inputs.base_metalness > 0.0;
+        let is_shown = |input: Input| match input {
+            Input::BaseColor | Input::SpecularWeight => true,
+            Input::SpecularRoughness | Input::BaseMetalness => has_gloss,
+            _ => false,
+        };
         for input in Input::ALL {
             let value = input.get(&self.inputs);
-            if value != input.get(&plain) || matches!(input, Input::BaseColor | Input::SpecularWeight) {
+            if value != input.get(&plain) || is_shown(input) {
                 line(input.name(), if input.is_color() { color(value) } else { number(value.x) });
             }
         }

@@ -98,11 +98,12 @@ impl<'a> Objects<'a> {
                 let problem = format!("the scene has more than {MAX_INSTANCES} instances");
                 return error(problem, "show fewer".to_owned());
             }
-            let flat = places.iter().filter(|place| (table.to_world * **place).matrix3.determinant() == 0.0).count();
+            let flat = places.iter().filter(|place| flattens(&table.to_world) || flattens(place)).count();
             if flat > 0 {
                 let flat = count(flat, "instance of", "instances of");
                 scene.warnings.push(format!(
-                    "{}:{}: {flat} {:?} cannot be seen: the transform flattens it, for example by a scale of 0",
+                    "{}:{}: {flat} {:?} may not be seen: the transform flattens it, for example by a scale of 0, and flat \
+                     instances are hidden where they are shared",
                     self.path.display(),
                     table.line,
                     table.of
@@ -183,6 +184,11 @@ fn append(scene: &mut Scene, model: Scene, name: &str, place: &str) -> Loaded {
     }
     let inner = model.instances.iter().map(|inner| Instance { object: first_object + inner.object, ..*inner });
     Loaded { own, inner: inner.collect() }
+}
+
+/// Whether a transform has no volume. Single precision would take small scales for 0.
+fn flattens(transform: &Affine3A) -> bool {
+    transform.matrix3.as_dmat3().determinant() == 0.0
 }
 
 impl InstanceTable {

@@ -85,8 +85,8 @@ impl World {
         !mesh.triangles.is_empty() && self.materials[mesh.material].emission != Vec3::ZERO
     }
 
-    /// The names of the groups of all lights, sorted; before them that of the sky, if it has light. Lamps may have a group
-    /// of its name, which is another.
+    /// The names of the groups of all lights, sorted; before them that of the sky, if it has light. Lamps may have a
+    /// group of its name, which is another.
     pub(crate) fn light_groups(&self) -> (Option<String>, Vec<String>) {
         let labels = self.lit_labels().map(|(_, labels)| labels).chain(self.punctual_labels());
         let mut groups: Vec<String> = labels.map(|[group, _]| group).collect();

@@ -16,7 +16,7 @@ mod assembly;
 mod data;
 mod material;
 mod primitive;
-mod references;
+mod relocated;
 mod text;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -88,7 +88,7 @@ pub fn patch(
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let (document, chunks) = open(path, bytes)?;
     let text = str::from_utf8(chunks.json).map_err(|_| document.error("JSON", "it is not UTF-8", "export it again"))?;
-    let text = &references::moved(text, folders);
+    let text = &relocated::relocated(text, folders);
     let home = Home::of(&document, &chunks, bytes.starts_with(b"glTF"));
     let data = home.data(&document, &chunks);
     let mut patch = Patch { document, text, pages, target, data, warnings: Vec::new() };
@@ -98,16 +98,20 @@ pub fn patch(
     Ok(Patched { bytes, warnings })
 }
 
-/// The files that the file with these `bytes` refers to, as it spells them: they must be copied along with the new
-/// file.
+/// The other files that the file with these `bytes` refers to, as it spells them: buffers, pictures and photometric
+/// profiles. A copy in another folder must refer to them from there.
 ///
 /// # Errors
 /// If the file is broken.
 pub fn external_files(path: &Path, bytes: &[u8]) -> Result<Vec<String>, SceneError> {
     let (document, _) = open(path, bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))?;
-    let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_ref());
-    let images = document.root.images.iter().filter_map(|image| image.uri.as_ref());
-    Ok(buffers.chain(images).filter(|uri| !uri.starts_with("data:")).cloned().collect())
+    let buffers = document.root.buffers.iter().filter_map(|buffer| buffer.uri.as_deref());
+    let images = document.root.images.iter().filter_map(|image| image.uri.as_deref());
+    let extensions = document.root.extensions.as_ref();
+    let profiles = extensions.and_then(|it| it.others.get(relocated::PROFILES[1])?.get("lights")?.as_array());
+    let profiles = profiles.into_iter().flatten().filter_map(|profile| profile.get("uri")?.as_str());
+    let all = buffers.chain(images).chain(profiles);
+    Ok(all.filter(|uri| !uri.starts_with("data:")).map(str::to_owned).collect())
 }
 
 /// The parts of each node's primitives.

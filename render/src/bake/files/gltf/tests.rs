@@ -270,6 +270,9 @@ fn pages_are_textures_for_three() {
     assert_eq!(&binary[start..start + view["byteLength"].as_u64().unwrap() as usize], b"EXR");
     assert_eq!(external_files(Path::new("a.glb"), &new.bytes), Ok(vec!["light%200.hdr".to_owned()]));
     assert_eq!(external_files(Path::new("a.glb"), &file), Ok(vec![]));
+    let profiles =
+        r#"{"asset":{"version":"2.0"},"extensions":{"EXT_lights_ies":{"lights":[{"uri":"a.ies"},{"uri":"data:,"}]}}}"#;
+    assert_eq!(external_files(Path::new("a.gltf"), profiles.as_bytes()), Ok(vec!["a.ies".to_owned()]));
     let used = serde_json::json!(["EXT_unknown", "MOZ_lightmap", "MOZ_texture_rgbe"]);
     assert_eq!(root["extensionsUsed"], used);
     assert!(root["extensionsRequired"].is_null() && root["nodes"][0]["extras"]["halfdome_lightmaps"].is_null());

@@ -18,12 +18,19 @@ use crate::world::{LightQuery, World};
 /// Pairs of charts that are listed.
 const MAX_LISTED: usize = 10;
 
+/// Checks the name of the picture, before the model is read.
+pub(super) fn check_name(picture: Option<&Path>) -> Result<(), CliError> {
+    match picture.filter(|path| Format::from_path(path) != Ok(Format::Png)) {
+        None => Ok(()),
+        Some(path) => {
+            let problem = format!("{}: the picture of --check-uv is a PNG", path.display());
+            Err(invalid(problem, "give a name that ends in .png"))
+        }
+    }
+}
+
 /// Checks, prints what was found, and writes the picture; the exit code says whether light can be baked.
 pub(super) fn run(scene: &Scene, options: &BakeOptions, picture: Option<&Path>, style: Style) -> Result<u8, CliError> {
-    if let Some(path) = picture.filter(|path| Format::from_path(path) != Ok(Format::Png)) {
-        let problem = format!("{}: the picture of --check-uv is a PNG", path.display());
-        return Err(invalid(problem, "give a name that ends in .png"));
-    }
     let atlas = match Atlas::of_model(scene, options)? {
         Some(atlas) => atlas,
         None if options.skip_outside.is_some() => {

@@ -2,6 +2,7 @@
 //! so that a manifest only names files that exist.
 
 mod pages;
+mod references;
 mod summary;
 
 use std::path::{Path, PathBuf};
@@ -17,6 +18,7 @@ use crate::cli::error::CliError;
 use crate::cli::inputs;
 use crate::output::OutputFile;
 use crate::scene::Scene;
+use references::References;
 
 /// The output paths.
 pub(super) struct Files {
@@ -28,6 +30,7 @@ pub(super) struct Files {
     report: Option<PathBuf>,
     /// The model that is read, if it is a file.
     source: Option<PathBuf>,
+    references: References,
 }
 
 /// A file that is ready to be written.
@@ -85,6 +88,7 @@ impl Files {
             preset,
             report: report.map(Path::to_owned),
             source: source.map(Path::to_owned),
+            references: References::default(),
         };
         if let Some(source) = &files.source
             && source
@@ -104,6 +108,14 @@ impl Files {
             OutputFile::check(path).map_err(CliError::input)?;
         }
         Ok(files)
+    }
+
+    /// Finds what the model refers to, so that a bake that could not name it does not begin.
+    pub(super) fn find_references(&mut self) -> Result<(), CliError> {
+        if let Some(source) = &self.source {
+            self.references = References::find(&self.model, source)?;
+        }
+        Ok(())
     }
 
     /// Output besides pages.
@@ -224,29 +236,6 @@ impl Files {
         name.to_string_lossy().into_owned()
     }
 
-    /// The folders that lead from the model to a file.
-    fn way_to(&self, file: &Path) -> Result<Vec<String>, CliError> {
-        bake::way(&self.model, file).map_err(|error| {
-            let problem = format!("{} cannot refer to {}: {error}", self.model.display(), file.display());
-            invalid(problem, "write the model into the folder of the one that is read, or beside it")
-        })
-    }
-
-    /// The material libraries of an .obj model, as the new one must name them.
-    fn libraries(&self, scene: &Scene) -> Result<Vec<String>, CliError> {
-        let is = |path: &Path, kind: &str| path.extension().is_some_and(|it| it.eq_ignore_ascii_case(kind));
-        if !self.source.as_ref().is_some_and(|source| is(source, "obj")) {
-            return Ok(Vec::new());
-        }
-        let named = |file: &PathBuf| {
-            let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let mut path = self.way_to(file)?;
-            path.push(name);
-            Ok(path.join("/"))
-        };
-        scene.files.iter().filter(|file| is(file, "mtl")).map(named).collect()
-    }
-
     /// The bytes of the model.
     fn model(
         &self,
@@ -257,7 +246,7 @@ impl Files {
     ) -> Result<Vec<u8>, CliError> {
         let is_obj = self.model.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj"));
         let Some(source) = self.source.as_ref().filter(|_| !is_obj) else {
-            return Ok(bake::obj::write(scene, &bake.atlas, &self.libraries(scene)?).into_bytes());
+            return Ok(bake::obj::write(scene, &bake.atlas, &self.references.libraries).into_bytes());
         };
         let original =
             std::fs::read(source).map_err(|error| CliError::Input(format!("{}: {error}", source.display())))?;
@@ -278,12 +267,8 @@ impl Files {
         let embed = self.preset == Preset::Three && self.model.extension().is_some_and(|extension| extension == "glb");
         let pages = maps.iter().map(|(file, bytes)| Page { file, embedded: embed.then_some(&bytes[..]) });
         let target = if self.preset == Preset::Three { Target::Three } else { Target::Bevy };
-        let folders = match gltf::external_files(source, &original)?[..] {
-            // A file that is whole by itself can be read anywhere.
-            [] => self.way_to(source).unwrap_or_default(),
-            _ => self.way_to(source)?,
-        };
-        let patched = gltf::patch(source, &original, &parts, &pages.collect::<Vec<_>>(), (target, &folders))?;
+        let patched =
+            gltf::patch(source, &original, &parts, &pages.collect::<Vec<_>>(), (target, &self.references.folders))?;
         warnings.extend(patched.warnings);
         Ok(patched.bytes)
     }

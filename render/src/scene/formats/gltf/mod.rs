@@ -18,6 +18,7 @@ mod attributes;
 mod camera;
 pub(crate) mod container;
 mod draco;
+mod empty_nodes;
 mod extensions;
 mod hierarchy;
 mod ies;
@@ -231,6 +232,7 @@ fn read(
     for placed in &nodes {
         let node = &document.root.nodes[placed.node];
         let place = document.node(placed.node);
+        let lights_before = scene.lights.len();
         if node.mesh.is_some() {
             meshes.read(placed, &mut scene, &mut skipped)?;
         }
@@ -251,6 +253,9 @@ fn read(
         if let Some(light) = ies::read(&document, placed)? {
             let name = node.name.clone().unwrap_or_default();
             scene.add_light(light, LightLabel { name, ..LightLabel::default() });
+        }
+        if scene.lights[lights_before..].iter().any(|light| light.power().0 == glam::Vec3::ZERO) {
+            notes.add(NO_STRENGTH, place);
         }
     }
     let chosen = match options.camera {
@@ -285,8 +290,8 @@ fn read(
                 "the file has neither lights nor cameras; Blender exports them with Include > Punctual Lights and Cameras",
             );
         }
-        for place in empty_nodes(&document) {
-            notes.add("empty nodes; Blender leaves one of each area light, which glTF does not have", place);
+        for place in empty_nodes::find(&document) {
+            notes.add(empty_nodes::NOTE, place);
         }
     }
     if scene.meshes.iter().any(|mesh| mesh.material == scene.materials.len()) {
@@ -297,6 +302,9 @@ fn read(
     warnings.extend(skipped.warnings(path));
     Ok(Scene { warnings, ..scene })
 }
+
+/// Said of lights that were turned off, maybe by a mistake, which would only be missed in the picture.
+const NO_STRENGTH: &str = "lights with a strength of 0 emit nothing";
 
 /// The pose at a moment, or of the nodes themselves; the scene receives the animations. Invalid ones are errors only if
 /// they are played.
@@ -322,22 +330,6 @@ fn pose(
     let Some(moment) = moment else { return Ok(Pose::default()) };
     let playing = animation::playing(document, &animations, &moment.animations, notes)?;
     Ok(Pose::at(&playing, moment.time))
-}
-
-/// Nodes that show nothing, hold nothing and move nothing.
-fn empty_nodes(document: &Document) -> Vec<String> {
-    let nodes = &document.root.nodes;
-    let joints = document.root.skins.iter().flat_map(|skin| &skin.joints).map(|joint| joint.value());
-    let joints: std::collections::BTreeSet<usize> = joints.collect();
-    let is_empty = |&index: &usize| {
-        let node = &nodes[index];
-        let light = node.extensions.as_ref().is_some_and(|extensions| {
-            extensions.khr_lights_punctual.is_some() || extensions.others.contains_key("EXT_lights_ies")
-        });
-        let has_children = node.children.as_ref().is_some_and(|children| !children.is_empty());
-        node.mesh.is_none() && node.camera.is_none() && !light && !has_children && !joints.contains(&index)
-    };
-    (0..nodes.len()).filter(is_empty).map(|index| document.node(index)).collect()
 }
 
 #[cfg(test)]

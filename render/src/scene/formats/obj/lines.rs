@@ -4,7 +4,7 @@ use std::path::Path;
 
 use glam::{Vec2, Vec3};
 
-use super::{Corner, NONE};
+use super::{Corner, FORMAT, NONE};
 use crate::scene::SceneError;
 use crate::scene::description::unit;
 use crate::scene::error::count;
@@ -73,7 +73,7 @@ impl Lines {
     /// Reads a block of the file at `path`; `before` is the number of vertices before it.
     pub(super) fn read(path: &Path, block: Block, before: Counts) -> Result<Self, SceneError> {
         let mut lines = Self::default();
-        for statement in statements(path, block, "an OBJ file") {
+        for statement in statements(path, block, FORMAT) {
             lines.take(&statement?, before)?;
         }
         Ok(lines)

@@ -130,6 +130,11 @@ fn a_material_printed_and_read_is_the_same() {
     let read = applied(&oak.to_toml(&[])).unwrap().materials.remove(0);
     assert_eq!((read.inputs, read.emission), (inputs, emission));
     assert!((read.tangent_rotation - 0.5).abs() < 1e-6);
+    // OpenPBR's roughness is that of plain diffuse reflection, too, but means gloss here.
+    let glossy = Inputs { specular_weight: 1.0, specular_roughness: 0.3, ..Inputs::default() };
+    let lines = Material { inputs: glossy, ..Material::default() }.to_toml(&[]);
+    assert!(lines.contains("specular_roughness = 0.3\n") && lines.contains("base_metalness = 0.0\n"), "{lines}");
+    assert!(!Material::default().to_toml(&[]).contains("roughness"));
     // A coat is smooth over bumps where the file says so, and has a map of its own.
     let map = NormalMap { texture: TextureMap::default(), scale: Vec2::ONE };
     let smooth = Material { normal_map: Some(map), coat_normal: CoatNormal::OfVertices, ..oak };

@@ -53,9 +53,10 @@ fn instances_are_scaled_then_turned_then_moved() {
 #[test]
 fn instances_that_are_flattened_are_told() {
     let text = "%[[instance]]\nof = \"tree\"\nscale = 0\n\n[[instance]]\nof = \"tree\"\ntable = \"trees.csv\"\n";
-    let warnings = with_table("x y z scale\n0 0 0 1\n1 0 0 0\n2 0 0 0\n", text).unwrap().warnings;
+    let warnings = with_table("x y z scale\n0 0 0 1\n1 0 0 0\n2 0 0 0\n3 0 0 1e-16\n", text).unwrap().warnings;
     let told: Vec<&str> = warnings.iter().map(|it| it.rsplit('/').next().unwrap()).collect();
-    let why = "cannot be seen: the transform flattens it, for example by a scale of 0";
+    let why = "may not be seen: the transform flattens it, for example by a scale of 0, and flat instances are hidden \
+               where they are shared";
     let expected = [(4, "1 instance of"), (8, "2 instances of")];
     assert_eq!(told, expected.map(|(line, of)| format!("scene.toml:{line}: {of} \"tree\" {why}")));
 }

@@ -13,7 +13,7 @@ pub(in crate::scene) fn integrator(value: &Value) -> Reading<Integrator> {
 
 /// The sampling of lights.
 pub(in crate::scene) fn lights(value: &Value) -> Reading<LightSampling> {
-    value.one_of(&[("naive", LightSampling::Naive), ("direct", LightSampling::Direct), ("mis", LightSampling::Mis)])
+    value.one_of(&LightSampling::ALL.map(|sampling| (sampling.name(), sampling)))
 }
 
 /// A stopping rule's name.
@@ -43,17 +43,12 @@ pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
 
 /// The sampling of directions.
 pub(in crate::scene) fn hemisphere_sampling(value: &Value) -> Reading<HemisphereSampling> {
-    value.one_of(&[
-        ("uniform", HemisphereSampling::Uniform),
-        ("cosine", HemisphereSampling::Cosine),
-        ("stratified", HemisphereSampling::Stratified),
-        ("stratified-uniform", HemisphereSampling::StratifiedUniform),
-    ])
+    value.one_of(&HemisphereSampling::ALL.map(|sampling| (sampling.name(), sampling)))
 }
 
 /// The values of occlusion rays.
 pub(in crate::scene) fn ao_weighting(value: &Value) -> Reading<AoWeighting> {
-    value.one_of(&[("misses", AoWeighting::CacheMisses), ("hit-length", AoWeighting::HitLength)])
+    value.one_of(&AoWeighting::ALL.map(|weighting| (weighting.name(), weighting)))
 }
 
 /// A distance in the scene's units.

@@ -55,7 +55,7 @@ fn nodes_are_where_animations_say() {
     let one = model.read_at(1.0, &["Walk"]).unwrap();
     assert_eq!((one.meshes[0].positions[0].x, one.camera), (2.0, still.camera));
     let error = model.read_at(1.0, &["Wolk"]).unwrap_err().to_string();
-    assert_eq!(error, "model.gltf: the model has no animation \"Wolk\"\n  help: known are Walk, 1");
+    assert_eq!(error, "model.gltf: the model has no animation \"Wolk\"\n  help: did you mean `Walk`?");
 }
 
 #[test]

@@ -110,9 +110,24 @@ fn what_blender_leaves_out_is_told() {
     assert_eq!(
         warnings,
         [
-            "model.gltf: empty nodes; Blender leaves one of each area light, which glTF does not have: node 1 (\"Area\")",
+            "model.gltf: empty nodes; Blender leaves one of each area light, which glTF does not have, and of each mesh \
+             without faces: node 1 (\"Area\")",
             "model.gltf: the file has neither lights nor cameras; Blender exports them with Include > Punctual Lights and \
              Cameras",
         ]
     );
+}
+
+/// A lamp that was turned off by a mistake would only be missed in the picture.
+#[test]
+fn lights_without_strength_are_told() {
+    let mut document = triangle();
+    let light = |intensity: f32| json!({"type": "point", "intensity": intensity});
+    document["extensions"] = json!({"KHR_lights_punctual": {"lights": [light(0.0), light(2.0)]}});
+    let node =
+        |name: &str, light: usize| json!({"name": name, "extensions": {"KHR_lights_punctual": {"light": light}}});
+    document["nodes"] = json!([{"mesh": 0}, node("Off", 0), node("On", 1)]);
+    let warnings = parse(document).unwrap().warnings;
+    let told: Vec<&String> = warnings.iter().filter(|it| it.contains("strength")).collect();
+    assert_eq!(told, ["model.gltf: lights with a strength of 0 emit nothing: node 1 (\"Off\")"]);
 }

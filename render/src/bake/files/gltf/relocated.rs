@@ -3,21 +3,23 @@
 use std::collections::BTreeMap;
 
 use super::text;
-use crate::bake::files::moved::in_uri;
+use crate::bake::files::relocated::in_uri;
+
+/// Where a file lists its photometric profiles.
+pub(super) const PROFILES: [&str; 2] = ["extensions", "EXT_lights_ies"];
 
 /// The JSON of a file whose references begin with these folders: those of buffers, pictures and photometric profiles.
-pub(super) fn moved(json: &str, folders: &[String]) -> String {
-    const PROFILES: [&str; 2] = ["extensions", "EXT_lights_ies"];
+pub(super) fn relocated(json: &str, folders: &[String]) -> String {
     if folders.is_empty() {
         return json.to_owned();
     }
     let prefix: String = folders.iter().map(|folder| in_uri(folder) + "/").collect();
-    let mut moved = with_uris(&with_uris(json, "buffers", &prefix), "images", &prefix);
-    let profiles = PROFILES.iter().try_fold(moved.as_str(), |object, name| text::member(object, name));
+    let mut relocated = with_uris(&with_uris(json, "buffers", &prefix), "images", &prefix);
+    let profiles = PROFILES.iter().try_fold(relocated.as_str(), |object, name| text::member(object, name));
     if let Some(changed) = profiles.map(|profiles| with_uris(profiles, "lights", &prefix)) {
-        moved = text::set_at(&moved, &PROFILES, &changed);
+        relocated = text::set_at(&relocated, &PROFILES, &changed);
     }
-    moved
+    relocated
 }
 
 /// The object with this before the URI of each element of an array, if that is a relative path.
@@ -46,8 +48,8 @@ mod tests {
             .replace("a%20b.bin", "../level%20one/a%20b.bin")
             .replace("t/c.png", "../level%20one/t/c.png")
             .replace("lamp.ies", "../level%20one/lamp.ies");
-        assert_eq!(moved(json, &folders), expected);
-        assert_eq!(moved(json, &[]), json);
-        assert_eq!(moved("{}", &folders), "{}");
+        assert_eq!(relocated(json, &folders), expected);
+        assert_eq!(relocated(json, &[]), json);
+        assert_eq!(relocated("{}", &folders), "{}");
     }
 }
