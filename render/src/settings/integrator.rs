@@ -80,7 +80,7 @@ pub enum Stop {
 }
 
 /// The survival probability of a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Survival {
     /// Always the same, more than 0 and at most 1.
     Constant(f32),
@@ -91,6 +91,7 @@ pub enum Survival {
     },
     /// The square root of that channel: paths go on for longer, and clear glass ends none of them. Of a path that a
     /// guide leads, the reflectance of its last surface.
+    #[default]
     RootThroughput,
 }
 
@@ -284,12 +285,6 @@ impl Stop {
 impl Default for Stop {
     fn default() -> Self {
         Self::Roulette { after: 3, survival: Survival::default() }
-    }
-}
-
-impl Default for Survival {
-    fn default() -> Self {
-        Self::RootThroughput
     }
 }
 
