@@ -57,14 +57,24 @@ def brushed(directory):
     return made
 
 
+DECAY = -np.log([0.25, 0.8, 0.6]) / 0.5
+# As Blender's exporter writes its node: a reader of its files takes them for `(1 - color) / distance`.
+TINTED = {
+    "KHR_materials_volume": {
+        "thicknessFactor": 1,
+        "attenuationDistance": 1 / DECAY.max(),
+        "attenuationColor": list(1 - DECAY / DECAY.max()),
+    }
+}
+
+
 def tinted(directory):
     """Glass that absorbs: over a metre, all but the square of half of the red."""
     made = kit.material("tinted", (1, 1, 1), 0, Transmission_Weight=1, IOR=1.5)
     tree = made.node_tree
     absorption = tree.nodes.new("ShaderNodeVolumeAbsorption")
-    decay = -np.log([0.25, 0.8, 0.6]) / 0.5
-    absorption.inputs["Density"].default_value = decay.max()
-    absorption.inputs["Color"].default_value = (*(1 - decay / decay.max()), 1)
+    absorption.inputs["Density"].default_value = DECAY.max()
+    absorption.inputs["Color"].default_value = (*(1 - DECAY / DECAY.max()), 1)
     tree.links.new(absorption.outputs[0], tree.nodes["Material Output"].inputs["Volume"])
     return made
 
@@ -93,7 +103,7 @@ MATERIALS = [
     (
         "tinted",
         tinted,
-        {"KHR_materials_volume": {"thicknessFactor": 1, "attenuationDistance": 0.5, "attenuationColor": [0.25, 0.8, 0.6]}},
+        TINTED,
     ),
     ("textured", lambda directory: kit.material("m", roughness=0.4, picture=checker(directory)), {}),
     ("bumpy", lambda directory: kit.material("m", (0.6, 0.6, 0.6), 0.3, normals=waves(directory)), {}),
