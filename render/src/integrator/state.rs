@@ -120,3 +120,16 @@ pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
         Survival::RootThroughput => reflected.max_element().sqrt().min(1.0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_that_have_lost_nothing_end_by_no_root() {
+        let of = |survival, throughput: f32| survive(survival, Vec3::new(0.0, throughput, 0.5 * throughput));
+        assert_eq!([1.0, 0.25, 4.0].map(|throughput| of(Survival::RootThroughput, throughput)), [1.0, 0.5, 1.0]);
+        assert_eq!([1.0, 0.25].map(|throughput| of(Survival::THROUGHPUT, throughput)), [0.95, 0.25]);
+        assert_eq!(of(Survival::Constant(0.7), 0.1), 0.7);
+    }
+}

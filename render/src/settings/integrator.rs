@@ -95,6 +95,11 @@ pub enum Survival {
     RootThroughput,
 }
 
+impl Survival {
+    /// By the throughput, as its name in options means.
+    pub const THROUGHPUT: Self = Self::Throughput { max: 0.95 };
+}
+
 /// The options of the exponential estimator.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MonteCarloOptions {

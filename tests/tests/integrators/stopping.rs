@@ -19,7 +19,7 @@ fn each_stopping_rule_leaves_out_what_it_should() {
     all_are(&render(&scene, &settings(threshold(false), 2)), series(4), 1e-6, "threshold");
     all_are(&render(&scene, &settings(threshold(true), 2)), Vec3::ONE, 1e-6, "threshold with the error added back");
     // Without bias, if not without noise.
-    for survival in [Survival::Constant(0.8), Survival::Throughput { max: 0.95 }, Survival::RootThroughput] {
+    for survival in [Survival::Constant(0.8), Survival::THROUGHPUT, Survival::RootThroughput] {
         for after in [0, 3] {
             let roulette = path(LightSampling::Naive, Stop::Roulette { after, survival });
             let estimate = mean(&scene, &settings(roulette, 64), 12);

@@ -86,7 +86,7 @@ fn every_override_can_be_given() {
             cutoff: Some(0.5),
             add_back: Some(true),
             roulette_after: Some(0),
-            survival: Some(Survival::Throughput { max: 0.95 }),
+            survival: Some(Survival::THROUGHPUT),
             clamp_indirect: Some(8.0),
             guide: Some(0),
             bounces: Some(0),

@@ -41,7 +41,7 @@ pub(crate) use to_accuracy::{FillTarget, SAMPLED_SHARE};
 /// Surfaces after which roulette starts on indirect paths. A gather has many paths, so a few long ones are enough.
 const SURE_DEPTH: u32 = 1;
 /// Their survival probability: of many paths for one mean, longer ones cost 5% of a bake and gain nothing.
-const SURVIVAL: Survival = Survival::Throughput { max: 0.95 };
+const SURVIVAL: Survival = Survival::THROUGHPUT;
 
 /// A cache that grows no more, and what happened while it was read.
 #[derive(Debug)]

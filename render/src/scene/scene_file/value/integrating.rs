@@ -33,7 +33,7 @@ pub(in crate::scene) fn fraction(value: &Value) -> Reading<f32> {
 pub(in crate::scene) fn survival(value: &Value) -> Reading<Survival> {
     match value {
         Value::Text(text) if text == "root" => Ok(Survival::RootThroughput),
-        Value::Text(text) if text == "throughput" => Ok(Survival::Throughput { max: 0.95 }),
+        Value::Text(text) if text == "throughput" => Ok(Survival::THROUGHPUT),
         _ => match value.finite() {
             Some(probability) if probability > 0.0 && probability <= 1.0 => Ok(Survival::Constant(probability)),
             _ => expected("`root`, `throughput`, or a probability, more than 0 and at most 1"),
