@@ -86,8 +86,6 @@ pub struct World {
     /// Of each punctual light, in the scene's order.
     light_labels: Vec<LightLabel>,
     surroundings_hash: u64,
-    /// The secondary lights that are plain otherwise.
-    plain_lit: Vec<u32>,
     ray_counters: RayCounters,
 }
 
@@ -156,8 +154,8 @@ impl World {
         self.lights.forget_visibility();
         self.forget_secondary_lights();
         if let Some(points) = self.seen_points(from) {
-            self.estimate_light_visibility(&points);
             self.find_secondary_lights(&points);
+            self.estimate_light_visibility(&points);
         }
     }
 

@@ -11,7 +11,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
 use super::light_warp::light_warp;
-use crate::light::{Receiver, area};
+use crate::light::{ChosenPart, Receiver};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World, interpolate};
 
@@ -24,41 +24,40 @@ pub(crate) struct AimedRay {
     pub inv_density: f32,
 }
 
-/// Samples a secondary light from a surface, by numbers in [0, 1): one for the triangle, and one for the point, with the
+/// Samples a secondary light from a surface, by numbers in [0, 1): one for the light, and one for the point, with the
 /// remainder of the first. `None` if that does not pay.
 pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
-    let chosen = world.lights.lit.choose(receiver, choice)?;
-    let record = &world.triangle_records()[chosen.prim_id as usize];
-    let warp = light_warp(receiver, &record.corners, LightSampling::Mis);
-    let place = warp.map(Vec2::new(chosen.rest as f32, v));
+    let ChosenPart { part, probability, rest } = world.lights.lit.choose(receiver, choice)?;
+    let warp = light_warp(receiver, part.corners(), LightSampling::Mis);
+    let place = warp.map(Vec2::new(rest as f32, v));
     let point = TriangleWarp.map(place);
-    let end = interpolate(record.corners, [1.0 - point.x - point.y, point.x, point.y]);
+    let end = interpolate(*part.corners(), [1.0 - point.x - point.y, point.x, point.y]);
     let way = end - surface.position;
     let squared = way.length_squared();
     let direction = way * squared.sqrt().recip();
-    let cosine = record.normal.dot(direction).abs();
-    if !world.lights.lit.may_reach(chosen.prim_id, -direction, squared.sqrt()) {
+    let cosine = part.light.normal.dot(direction).abs();
+    if !part.may_reach(-direction, squared.sqrt()) {
         return None;
     }
-    let inv_density = area(&record.corners) * cosine / squared * warp.per_density(place) / chosen.probability;
+    let inv_density = part.light.area * cosine / squared * warp.per_density(place) / probability;
     let is_any = inv_density > 0.0 && inv_density.is_finite();
     // From where it leaves, beside the surface: otherwise it might pass a small triangle far away.
     let origin = surface.origin_towards(direction);
-    is_any.then(|| AimedRay { ray: Ray::new(origin, (end - origin).normalize()), prim_id: chosen.prim_id, inv_density })
+    is_any.then(|| AimedRay { ray: Ray::new(origin, (end - origin).normalize()), prim_id: part.prim_id, inv_density })
 }
 
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
 /// something.
 pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: &Hit) -> f32 {
-    let probability = world.lights.lit.probability(hit.prim_id, receiver);
-    if probability == 0.0 || !world.lights.lit.may_reach(hit.prim_id, -ray.direction, hit.t) {
+    let Some(at) = world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)) else { return 0.0 };
+    let probability = world.lights.lit.probability(&at, receiver);
+    if probability == 0.0 || !at.part.may_reach(-ray.direction, hit.t) {
         return 0.0;
     }
-    let record = &world.triangle_records()[hit.prim_id as usize];
-    let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
-    let on_triangle = light_warp(receiver, &record.corners, LightSampling::Mis).density(place);
-    let cosine = record.normal.dot(ray.direction).abs();
-    probability * on_triangle * hit.t * hit.t / (area(&record.corners) * cosine)
+    let place = TriangleWarp.inverse(at.place);
+    let on_triangle = light_warp(receiver, at.part.corners(), LightSampling::Mis).density(place);
+    let cosine = at.part.light.normal.dot(ray.direction).abs();
+    probability * on_triangle * hit.t * hit.t / (at.part.light.area * cosine)
 }
 
 /// The factor on the throughput of such a path: `scattered` is `f cos θ`, and `bounce` the density of the surface's own
@@ -73,7 +72,7 @@ mod tests {
     use halfdome_kernel::sampling::warp::UniformSphere;
 
     use super::*;
-    use crate::light::{Reach, SecondaryLights, TriangleLight};
+    use crate::light::{Division, LitPart, Reach, SecondaryLights, TriangleLight, area};
     use crate::scene::{CameraPose, Material, Mesh, Scene};
     use crate::world::TriangleRecord;
 
@@ -93,13 +92,18 @@ mod tests {
             ..Scene::default()
         })
         .unwrap();
-        let lit = [2, 3].map(|prim: u32| {
-            let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim as usize];
-            (prim, TriangleLight { corners, normal, radiance: 10.0, area: area(&corners), both_sides: true })
-        });
+        // One is lit as a whole, of the other each cell but the last.
+        let division = |prim: u32| Division { side: if prim == 2 { 1 } else { 3 } };
         let everywhere = (0..4096).map(|i| (UniformSphere.map(Stream::new(3, i, 0).uniform2(0)), f32::INFINITY));
-        let reach = vec![Reach::of(everywhere); 2];
-        world.lights.lit = SecondaryLights::new(lit.to_vec(), reach, 4);
+        let reach = Reach::of(everywhere);
+        let cells = [2, 3].into_iter().flat_map(|prim| division(prim).corners().take(8).map(move |cell| (prim, cell)));
+        let parts = cells.map(|(prim_id, places)| {
+            let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim_id as usize];
+            let corners = places.map(|place| interpolate(corners, [1.0 - place.x - place.y, place.x, place.y]));
+            let light = TriangleLight { corners, normal, radiance: 10.0, area: area(&corners), both_sides: true };
+            LitPart { prim_id, places, light, reach: reach.clone() }
+        });
+        world.lights.lit = SecondaryLights::new(parts.collect(), division, 4);
         world.lights.lit.aim_from(0.2, 1.0);
         world
     }
@@ -142,9 +146,10 @@ mod tests {
             let choice = halfdome_kernel::sampling::unit_double(Vec2::new(a, b));
             sum += aim(&world, &surface, &receiver, (choice, c)).map_or(0.0, |aimed| f64::from(aimed.inv_density));
         }
-        let expected: f64 = (2..4)
-            .map(|prim| {
-                let corners = world.triangle_records()[prim].corners.map(|p| (p - surface.position).as_dvec3());
+        let parts = world.lights.lit.parts().iter();
+        let expected: f64 = parts
+            .map(|part| {
+                let corners = part.corners().map(|p| (p - surface.position).as_dvec3());
                 let [a, b, c] = corners.map(|p| p.normalize());
                 2.0 * (a.dot(b.cross(c)).abs()).atan2(1.0 + a.dot(b) + b.dot(c) + c.dot(a))
             })

@@ -78,6 +78,12 @@ impl LightSampler {
         Weights { triangles, points, triangles_sum, points_sum, directional, sky }
     }
 
+    /// The approximate unoccluded irradiance by lights that have a place.
+    pub(crate) fn lamp_irradiance(&self, receiver: &Receiver) -> f32 {
+        let triangles = self.triangles.as_ref().map_or(0.0, |tree| tree::total(&tree.root_weights(receiver)));
+        triangles + self.points.as_ref().map_or(0.0, |tree| tree::total(&tree.root_weights(receiver)))
+    }
+
     /// Chooses a light for a receiver with these weights, by a number in [0, 1), of double precision as there may be
     /// millions. `None` if no light reaches it.
     #[inline(always)]

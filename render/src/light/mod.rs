@@ -24,7 +24,7 @@ pub(crate) use self::choice::{LightChoice, SampledLight};
 use self::distant::Patches;
 use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
-pub(crate) use self::secondary_lights::{Reach, SecondaryLights};
+pub(crate) use self::secondary_lights::{ChosenPart, Division, LitPart, Reach, SecondaryLights, place_in};
 pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{SkyLight, SkyPart};
 use self::tree::Tree;
@@ -242,11 +242,6 @@ impl LightSampler {
     /// Bytes of the light trees.
     pub(crate) fn tree_bytes(&self) -> usize {
         self.triangles.as_ref().map_or(0, Tree::bytes) + self.points.as_ref().map_or(0, Tree::bytes)
-    }
-
-    /// Whether any light has a place.
-    pub(crate) fn has_lamps(&self) -> bool {
-        self.triangles.is_some() || self.points.is_some()
     }
 
     /// Whether a surface emits.

@@ -1,12 +1,17 @@
-//! Secondary lights: small triangles that a nearby lamp lights so strongly that they light the room
-//! themselves, such as the inside of a lampshade. Bounces rarely hit them, and each hit is a firefly in the picture.
+//! Secondary lights: parts of surfaces that lights light so strongly that they light the room themselves, such as the
+//! inside of a lampshade, the sunlit part of a floor, or a curtain before a window. Bounces rarely hit them, and each
+//! hit is a firefly in the picture.
 //!
-//! So they are sampled as lights (see [`estimator`](crate::estimator)): a light tree of their own chooses a triangle by
-//! its estimated contribution to a receiver. The probability of such a ray follows from their total irradiance,
-//! relative to the mean irradiance of the scene's surfaces.
+//! So they are sampled as lights (see [`estimator`](crate::estimator)): a light tree of their own chooses one by its
+//! estimated contribution to a receiver. The probability of such a ray follows from their total irradiance, relative to
+//! the mean irradiance of the scene's surfaces. Each is a triangle of the scene, or a cell of one.
 
-use glam::{Vec2Swizzles, Vec3};
+mod cells;
 
+use glam::{Vec2, Vec2Swizzles, Vec3};
+use halfdome_kernel::Triangle;
+
+pub(crate) use self::cells::{Division, place_in};
 use super::tree::leaf::{TriangleLight, Triangles};
 use super::tree::{RootWeights, Tree, total};
 use super::{NO_LIGHT, Receiver};
@@ -15,22 +20,40 @@ use super::{NO_LIGHT, Receiver};
 const SIDE: usize = 8;
 /// The margin beyond the farthest ray.
 const SLACK: f32 = 1.1;
-/// Triangles that represent all, for approximations.
-const REPRESENTATIVES: u32 = 8;
 
-/// How far the light of a triangle reaches, by bins of directions: the inside of a shade is visible from above and from
+/// How far the light of a part reaches, by bins of directions: the inside of a shade is visible from above and from
 /// below.
 #[derive(Clone, Debug)]
 pub(crate) struct Reach([f32; SIDE * SIDE]);
+
+impl Default for Reach {
+    fn default() -> Self {
+        Self([0.0; SIDE * SIDE])
+    }
+}
+
+/// Part of a surface that is a secondary light.
+#[derive(Clone, Debug)]
+pub(crate) struct LitPart {
+    pub prim_id: u32,
+    /// The barycentric coordinates `(u, v)` of its corners in that triangle.
+    pub places: [Vec2; 3],
+    /// How it shines, and where its corners are.
+    pub light: TriangleLight,
+    pub reach: Reach,
+}
 
 /// The secondary lights of a world.
 #[derive(Debug, Default)]
 pub(crate) struct SecondaryLights {
     tree: Option<Tree<Triangles>>,
-    prims: Vec<u32>,
-    reach: Vec<Reach>,
-    /// For each `prim_id` its number among them, or [`NO_LIGHT`]; empty if there are none.
-    index_of: Vec<u32>,
+    parts: Vec<LitPart>,
+    /// For each `prim_id` its number among the divided triangles, or [`NO_LIGHT`]; empty if there are none.
+    divided: Vec<u32>,
+    /// Of each divided triangle how, and its first cell.
+    divisions: Vec<(Division, usize)>,
+    /// The number of each cell's secondary light, or [`NO_LIGHT`].
+    cells: Vec<u32>,
     /// The irradiance from which on each path aims at them, as luminance.
     worth: f32,
     /// The mean irradiance of other surfaces, likewise.
@@ -39,23 +62,42 @@ pub(crate) struct SecondaryLights {
 
 /// A secondary light that was chosen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ChosenTriangle {
-    pub prim_id: u32,
+pub(crate) struct ChosenPart<'a> {
+    pub part: &'a LitPart,
     /// The probability with which it was chosen.
     pub probability: f32,
     /// The rescaled remainder of the number that chose it, in [0, 1).
     pub rest: f64,
 }
 
+/// The secondary light at a point of a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PartAt<'a> {
+    pub part: &'a LitPart,
+    index: u32,
+    /// The barycentric coordinates of the point within it.
+    pub place: Vec2,
+}
+
 impl SecondaryLights {
-    /// The secondary lights with these `prim_id`s, in a scene of `triangles` triangles.
-    pub(crate) fn new(lit: Vec<(u32, TriangleLight)>, reach: Vec<Reach>, triangles: usize) -> Self {
-        let (prims, lights): (Vec<u32>, Vec<TriangleLight>) = lit.into_iter().unzip();
-        let mut index_of = vec![NO_LIGHT; triangles];
-        for (index, &prim_id) in (0..).zip(&prims) {
-            index_of[prim_id as usize] = index;
+    /// These secondary lights, which are triangles or cells of them, in a scene of `triangles` triangles.
+    pub(crate) fn new(parts: Vec<LitPart>, division_of: impl Fn(u32) -> Division, triangles: usize) -> Self {
+        let lights: Vec<TriangleLight> = parts.iter().map(|part| part.light).collect();
+        let mut divided = vec![NO_LIGHT; triangles];
+        let (mut divisions, mut cells) = (Vec::new(), Vec::new());
+        for (index, part) in (0..).zip(&parts) {
+            let number = &mut divided[part.prim_id as usize];
+            if *number == NO_LIGHT {
+                *number = divisions.len() as u32;
+                let division = division_of(part.prim_id);
+                divisions.push((division, cells.len()));
+                cells.resize(cells.len() + division.count() as usize, NO_LIGHT);
+            }
+            let (division, first) = divisions[*number as usize];
+            let (cell, _) = division.locate(part.middle());
+            cells[first + cell as usize] = index;
         }
-        Self { tree: Tree::build(&lights), prims, reach, index_of, worth: 0.0, elsewhere: 0.0 }
+        Self { tree: Tree::build(&lights), parts, divided, divisions, cells, worth: 0.0, elsewhere: 0.0 }
     }
 
     /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
@@ -70,15 +112,19 @@ impl SecondaryLights {
         if irradiance > 0.0 { irradiance / (irradiance + self.elsewhere) } else { 0.0 }
     }
 
-    /// Whether triangle `prim_id` is one.
+    /// The secondary light at a point of triangle `prim_id` with these barycentric coordinates.
     #[inline]
-    pub(crate) fn contains(&self, prim_id: u32) -> bool {
-        self.index_of.get(prim_id as usize).is_some_and(|&index| index != NO_LIGHT)
+    pub(crate) fn at(&self, prim_id: u32, place: Vec2) -> Option<PartAt<'_>> {
+        let &number = self.divided.get(prim_id as usize).filter(|number| **number != NO_LIGHT)?;
+        let (division, first) = self.divisions[number as usize];
+        let (cell, place) = division.locate(place);
+        let index = self.cells[first + cell as usize];
+        self.parts.get(index as usize).map(|part| PartAt { part, index, place })
     }
 
-    /// The `prim_id` of each.
-    pub(crate) fn prims(&self) -> &[u32] {
-        &self.prims
+    /// All of them.
+    pub(crate) fn parts(&self) -> &[LitPart] {
+        &self.parts
     }
 
     /// Whether there are any.
@@ -96,56 +142,64 @@ impl SecondaryLights {
 
     /// Chooses one for a receiver by a number in [0, 1). `None` if none may send light there.
     #[inline]
-    pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenTriangle> {
+    pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenPart<'_>> {
         let tree = self.tree.as_ref()?;
         let weights = tree.root_weights(receiver);
         if total(&weights) == 0.0 {
             return None;
         }
         let pick = tree.choose(receiver, &weights, u);
-        let prim_id = self.prims[pick.index as usize];
-        Some(ChosenTriangle { prim_id, probability: pick.probability, rest: pick.rest })
+        Some(ChosenPart { part: &self.parts[pick.index as usize], probability: pick.probability, rest: pick.rest })
     }
 
-    /// The probability with which triangle `prim_id` is chosen.
+    /// The probability with which this one is chosen.
     #[inline]
-    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver) -> f32 {
-        match (&self.tree, self.index_of.get(prim_id as usize)) {
-            (Some(tree), Some(&index)) if index != NO_LIGHT => {
-                let weight = tree.weight(index, receiver);
-                if weight == 0.0 {
-                    return 0.0;
-                }
-                weight / total(&tree.root_weights(receiver))
-            }
-            _ => 0.0,
-        }
+    pub(crate) fn probability(&self, at: &PartAt, receiver: &Receiver) -> f32 {
+        let Some(tree) = &self.tree else { return 0.0 };
+        let weight = tree.weight(at.index, receiver);
+        if weight == 0.0 { 0.0 } else { weight / total(&tree.root_weights(receiver)) }
     }
 
-    /// A few of them that represent all, with the unoccluded irradiance that each represents.
-    pub(crate) fn representatives(&self, receiver: &Receiver) -> (f32, impl Iterator<Item = u32>) {
+    /// So many of them, with their indices, that represent all, and the unoccluded irradiance that each represents.
+    pub(crate) fn representatives(
+        &self,
+        receiver: &Receiver,
+        count: u32,
+    ) -> (f32, impl Iterator<Item = (usize, &LitPart)>) {
         let weights = self.tree.as_ref().map_or_else(RootWeights::default, |tree| tree.root_weights(receiver));
         let sum = total(&weights);
         let tree = self.tree.as_ref().filter(|_| sum > 0.0);
         let chosen = tree.into_iter().flat_map(move |tree| {
-            let number = |k: u32| (f64::from(k) + 0.5) / f64::from(REPRESENTATIVES);
-            (0..REPRESENTATIVES).map(move |k| self.prims[tree.choose(receiver, &weights, number(k)).index as usize])
+            let number = move |k: u32| (f64::from(k) + 0.5) / f64::from(count);
+            (0..count).map(move |k| tree.choose(receiver, &weights, number(k)).index as usize)
         });
-        (sum / REPRESENTATIVES as f32, chosen)
+        (sum / count as f32, chosen.map(|index| (index, &self.parts[index])))
+    }
+}
+
+impl LitPart {
+    /// Whether its light may come so far in this unit vector.
+    #[inline]
+    pub(crate) fn may_reach(&self, direction: Vec3, distance: f32) -> bool {
+        distance <= SLACK * self.reach.0[bin(direction)]
     }
 
-    /// Whether light of triangle `prim_id`, which must be lit, may come so far in this unit vector.
+    /// The barycentric coordinates of its middle.
+    pub(crate) fn middle(&self) -> Vec2 {
+        place_in(&self.places, Vec2::splat(1.0 / 3.0))
+    }
+
+    /// Its corners in space.
     #[inline]
-    pub(crate) fn may_reach(&self, prim_id: u32, direction: Vec3, distance: f32) -> bool {
-        let Reach(farthest) = &self.reach[self.index_of[prim_id as usize] as usize];
-        distance <= SLACK * farthest[bin(direction)]
+    pub(crate) fn corners(&self) -> &Triangle {
+        &self.light.corners
     }
 }
 
 impl Reach {
-    /// The reach of a triangle whose rays in these unit directions went as far as given.
+    /// The reach of a part whose rays in these unit directions went as far as given.
     pub(crate) fn of(rays: impl Iterator<Item = (Vec3, f32)>) -> Self {
-        let mut reach = Self([0.0; SIDE * SIDE]);
+        let mut reach = Self::default();
         for (direction, distance) in rays {
             let farthest = &mut reach.0[bin(direction)];
             *farthest = farthest.max(distance);

@@ -117,7 +117,6 @@ impl World {
             optics,
             light_labels,
             surroundings_hash,
-            plain_lit: Vec::new(),
             ray_counters: RayCounters::default(),
         };
         world.send_photons();

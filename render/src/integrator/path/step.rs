@@ -92,6 +92,21 @@ impl Advance<'_, '_> {
             }
         }
         closures.arrived(self.world.isa());
+        if self.aims() {
+            self.find_lit(block);
+        }
+    }
+
+    /// Weights what paths find from secondary lights on.
+    #[inline(never)]
+    fn find_lit(&self, block: &mut PathBlock) {
+        for i in 0..block.len {
+            let source = block.source[i] as usize;
+            let hit = &self.wave.hits[source];
+            if self.world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).is_some() {
+                block.set_lit(i, self.kept_beside_aimed(&self.wave.paths[source], &self.wave.rays[source], hit));
+            }
+        }
     }
 
     /// Collects a surface's emission, and passes the block the data that is not in its columns.
@@ -112,9 +127,6 @@ impl Advance<'_, '_> {
             let light = emission(world, (self.options.lights, SKY), path, &surface, ray, hit);
             found = self.clamped(block.throughput(i) * light);
             self.radiance[path.index as usize] += found;
-        }
-        if self.aims() && world.lights.lit.contains(hit.prim_id) {
-            block.set_lit(i, self.kept_beside_aimed(path, ray, hit));
         }
         if found != Vec3::ZERO {
             self.record_emission(source, found);

@@ -2,6 +2,8 @@
 //! where it is reflected so strongly that it is sampled as a light. Besides, which part of the light samples each light
 //! gets.
 
+mod aim_plan;
+mod bounces;
 mod light_shares;
 mod light_visibility;
 mod reflected;

@@ -1,78 +1,93 @@
-//! An approximation of the direct light that triangles reflect.
+//! An approximation of the direct light that surfaces scatter.
 //!
-//! Irradiance is the light tree's estimate without shadows, times the unoccluded fraction of a few shadow rays. The sky
-//! is left out, and a material has its mean albedo.
+//! A sample of the irradiance is the light tree's estimate without shadows if a shadow ray arrives, and the radiance of
+//! the sky without its sun in a cosine-distributed direction. A material has its mean albedo.
 
-use std::f32::consts::FRAC_1_PI;
+use std::f32::consts::{FRAC_1_PI, PI};
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
-use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 
-use super::seen_points::SeenPoints;
-use crate::light::{Light, Receiver, SkyPart, TriangleLight, luminance_weight};
+use crate::light::{Light, Receiver, SkyPart, TriangleLight, area, luminance_weight, place_in};
 use crate::scene::PunctualLight;
-use crate::world::{Surface, World};
+use crate::world::{Surface, World, interpolate};
 
-/// Shadow rays that estimate how much of the light arrives at a triangle.
-const SHADOW_RAYS: u32 = 16;
-/// The same, at a point that represents many.
-const POINT_SHADOW_RAYS: u32 = 4;
-/// Values above this multiple of the mean are clamped in a mean of few.
-const OUTLIER: f32 = 8.0;
+/// Points of a part of a surface at which its light is estimated.
+const POINTS: u32 = 8;
 
 impl World {
-    /// The mean radiance that bounces find, of light that was reflected once.
-    pub(super) fn mean_reflected(&self, points: &SeenPoints) -> f32 {
-        let reflected = |point: Surface| self.reflected(&point, self.albedo(point.prim_id), 0.0, POINT_SHADOW_RAYS);
-        let found: Vec<f32> = points.scattered(self).map(reflected).collect();
-        let mean =
-            |most: f32| found.iter().map(|&radiance| radiance.min(most)).sum::<f32>() / found.len().max(1) as f32;
-        // A few of them may be secondary lights.
-        mean(OUTLIER * mean(f32::INFINITY))
-    }
-
     /// The albedo of a triangle's material, as luminance.
-    fn albedo(&self, prim_id: u32) -> f32 {
+    pub(super) fn albedo(&self, prim_id: u32) -> f32 {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
         luminance_weight(material.mean_albedo()).min(1.0)
     }
 
-    /// A triangle as the light that it is by what it reflects, if that is at least so bright.
-    pub(super) fn lit(&self, prim_id: u32, area: f32, least: f32) -> Option<TriangleLight> {
-        let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        let albedo = self.albedo(prim_id);
-        if albedo <= 0.0 || material.is_glass() {
+    /// Whether lamps may cause so much scattered light at a triangle, if nothing is in between.
+    pub(super) fn may_be_lit_by_lamps(&self, prim_id: u32, least: f32) -> bool {
+        let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
+        let lamps = |side: Vec3| self.lights.lamp_irradiance(&Receiver::new(middle.position, side, false));
+        lamps(middle.normal).max(lamps(-middle.normal)) * self.albedo(prim_id) * FRAC_1_PI >= least
+    }
+
+    /// A part of a triangle as the light that it is by what it scatters, if that is at least so bright. `indirect` is the
+    /// part of it by light that was reflected before.
+    pub(super) fn lit(&self, prim_id: u32, places: &[Vec2; 3], (indirect, least): (f32, f32)) -> Option<TriangleLight> {
+        let record = &self.triangle_records[prim_id as usize];
+        let material = &self.materials[record.material as usize];
+        if self.albedo(prim_id) <= 0.0 || material.is_glass() {
             return None;
         }
-        let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
-        let sides =
-            [middle, middle.facing(middle.normal)].map(|side| self.reflected(&side, albedo, least, SHADOW_RAYS));
+        let mut sides = [indirect; 2];
+        for number in 0..POINTS {
+            let place = TriangleWarp.map(Sampler::new(Pattern::Sobol, 0, prim_id, number).uniform2(3));
+            let place = place_in(places, place);
+            let front = self.surface(prim_id, place.x, place.y);
+            let back = front.facing(front.normal);
+            sides[0] += self.scattered(&front, number) / POINTS as f32;
+            sides[1] += self.scattered(&back, number) / POINTS as f32;
+        }
         let radiance = sides[0].max(sides[1]);
         if radiance < least {
             return None;
         }
-        let both_sides = sides[0].min(sides[1]) >= least || material.inputs.diffuse_transmission_weight > 0.0;
-        let normal = if sides[0] >= sides[1] { middle.normal } else { -middle.normal };
-        let corners = self.triangle_records[prim_id as usize].corners;
-        Some(TriangleLight { corners, normal, radiance, area, both_sides })
+        let both_sides = sides[0].min(sides[1]) >= least;
+        let normal = if sides[0] >= sides[1] { record.normal } else { -record.normal };
+        let corners = places.map(|place| interpolate(record.corners, [1.0 - place.x - place.y, place.x, place.y]));
+        Some(TriangleLight { corners, normal, radiance, area: area(&corners), both_sides })
     }
 
-    /// The mean radiance that a side of this albedo reflects of the lights'; 0 if it is less than `least`.
-    fn reflected(&self, side: &Surface, albedo: f32, least: f32, shadow_rays: u32) -> f32 {
-        let receiver = Receiver::new(side.position, side.normal, false);
-        let weights = self.lights.weigh(&receiver, SkyPart::Sun);
-        let unshadowed = weights.total() * albedo * FRAC_1_PI;
-        if unshadowed < least || unshadowed == 0.0 {
+    /// A sample, by its number, of the mean radiance of a side of a surface by light that it reflects or transmits.
+    pub(super) fn scattered(&self, side: &Surface, number: u32) -> f32 {
+        let albedo = self.albedo(side.prim_id) * FRAC_1_PI;
+        if albedo <= 0.0 {
             return 0.0;
         }
-        let reached = (0..shadow_rays).filter(|&number| {
-            let [a, b, c, d] = Sampler::new(Pattern::Sobol, 0, side.prim_id, number).uniform4(0);
-            let choice = self.lights.choose(&receiver, &weights, unit_double(Vec2::new(a, b)));
-            choice.is_some_and(|choice| self.is_reached(side, choice.index, Vec2::new(c, d)))
-        });
-        unshadowed * reached.count() as f32 / shadow_rays as f32
+        let transmitted = side.material.inputs.diffuse_transmission_weight;
+        let irradiance = |side: &Surface| self.irradiance_samples(side, number).iter().sum::<f32>();
+        let reflected = (1.0 - transmitted) * irradiance(side);
+        let other = if transmitted > 0.0 { transmitted * irradiance(&side.facing(side.normal)) } else { 0.0 };
+        albedo * (reflected + other)
+    }
+
+    /// Samples of a side's irradiance by lights and by the sky, by their number.
+    pub(super) fn irradiance_samples(&self, side: &Surface, number: u32) -> [f32; 2] {
+        let sampler = Sampler::new(Pattern::Sobol, 0, side.prim_id, number);
+        let receiver = Receiver::new(side.position, side.normal, false);
+        let weights = self.lights.weigh(&receiver, SkyPart::Sun);
+        let [a, b, c, d] = sampler.uniform4(0);
+        let choice = self.lights.choose(&receiver, &weights, unit_double(Vec2::new(a, b)));
+        let is_reached = choice.is_some_and(|choice| self.is_reached(side, choice.index, Vec2::new(c, d)));
+        let lights = if is_reached { weights.total() } else { 0.0 };
+        if self.lights.sky.mean() == Vec3::ZERO {
+            return [lights, 0.0];
+        }
+        let direction = side.frame().to_world(CosineHemisphere.map(sampler.uniform2(2)));
+        let ray = Ray::new(side.origin_towards(direction), direction);
+        let is_free = side.normal.dot(direction) > 0.0 && !self.occluded(&self.beyond_glass(ray));
+        let sky = if is_free { PI * luminance_weight(self.lights.sky.ambient(direction)) } else { 0.0 };
+        [lights, sky]
     }
 
     /// Whether nothing is between a surface and the point of a light that the numbers mean.
@@ -92,7 +107,12 @@ impl World {
             Light::Punctual(PunctualLight::Directional { direction, .. }) => {
                 return !self.occluded(&self.beyond_glass(Ray::new(side.origin_towards(-*direction), -*direction)));
             }
-            Light::Sky => return false,
+            Light::Sky => {
+                let receiver = Receiver::new(side.position, side.normal, false);
+                let direction = self.lights.sky.sample(&receiver, SkyPart::Sun, u).direction;
+                let ray = Ray::new(side.origin_towards(direction), direction);
+                return side.normal.dot(direction) > 0.0 && !self.occluded(&self.beyond_glass(ray));
+            }
         };
         let ray = Ray::between(side.origin_towards(end - side.position), end);
         !self.occluded(&if is_punctual { self.beyond_glass(ray) } else { ray })

@@ -1,141 +1,190 @@
-//! Selects secondary lights: triangles lit so strongly that they are sampled like lights.
+//! Selects secondary lights: parts of surfaces that are lit so strongly that they are sampled like lights.
 //!
-//! A triangle counts as lit if lights give one of its sides many times the mean radiance that bounces of the picture's
-//! paths find, and if it is so small that bounces rarely hit it. The brightest ones are kept, if that pays: if their
-//! light causes much of the variance, and most of the rays sent to them arrive. As this only affects sampling, an error
-//! costs time but causes no bias.
+//! A part is a small triangle, or a cell of a larger one that bounces have found lit. Candidates scatter more light than
+//! bounces of the picture's paths find in the mean, light that was reflected before included: the undersides of blinds are
+//! bright, too. Those that are worth it are [chosen](super::aim_plan). As this only affects sampling, an error costs time
+//! but causes no bias.
 
-use std::f32::consts::{FRAC_1_PI, PI};
+use std::collections::{BTreeMap, BTreeSet};
+use std::f32::consts::PI;
 
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, UniformHemisphere, Warp};
 use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use rayon::prelude::*;
 
+use super::aim_plan::{AimPlan, LEAST};
+use super::bounces::{Bounce, View};
 use super::seen_points::SeenPoints;
-use crate::light::{Reach, Receiver, SecondaryLights, TriangleLight, area};
+use crate::light::{Division, LitPart, Reach, SecondaryLights, area, place_in};
 use crate::world::{Hit, World};
 
-/// A secondary light is at least this many times as bright as the mean.
-const FIERCE: f32 = 8.0;
-/// The largest part of the total area for one such triangle, and for all of them.
+/// The part of the total area from which on triangles are divided, if bounces find them lit.
 const SMALL: f64 = 1e-3;
-const ALL_SMALL: f64 = 0.02;
-/// The part of their power that is kept, and the greatest number of triangles.
-const KEPT_POWER: f64 = 0.995;
-const MAX_TRIANGLES: usize = 1 << 11;
-/// Their share of the scene's light, times their brightness relative to the mean, is about the variance that they cause
-/// in bounces. Below this value bounces suffice.
-const MIN_GAIN: f32 = 0.5;
-/// The least part of rays towards them that must be unoccluded.
-const MIN_UNOCCLUDED: f32 = 0.3;
-/// From this multiple of the mean irradiance on paths always sample them: found by trial.
-const AIM_FROM: f32 = 8.0;
-/// Rays that measure how far the light of a triangle reaches.
-const REACH_RAYS: u32 = 512;
+/// Parts of divided triangles, about, and the greatest number of cells along an edge.
+const DIVIDED_PARTS: f64 = 2048.0;
+const MAX_SIDE: f64 = 256.0;
+/// Triangles that cause a smaller share of the variance are not divided.
+const LEAST_SHARE: f64 = 0.01;
+/// Paths that estimate the indirect light of a triangle, at least.
+const INDIRECT_PATHS: usize = 32;
+/// The least variance of what bounces find of direct light, relative to the radiance where they come from. Below this
+/// they suffice.
+const MIN_VARIANCE: f32 = 2.0;
+/// Values above this multiple of the mean are clamped in a mean of few.
+const OUTLIER: f32 = 8.0;
+/// Rays that measure how far the light of a part reaches: of all together, and the least and the most of each.
+const REACH_RAYS: u32 = 1 << 17;
+const LEAST_REACH_RAYS: u32 = 64;
+const MOST_REACH_RAYS: u32 = 512;
+
+/// What bounces find at a triangle.
+#[derive(Default)]
+struct Found {
+    bounces: f64,
+    /// Those of them that find it lit.
+    lit: f64,
+    /// The sum of squares of what these find, relative to the radiance where they come from.
+    squares: f64,
+    /// The radiance that it scatters, of light that was reflected before.
+    indirect: f32,
+}
 
 impl World {
     /// Finds the secondary lights.
     pub(crate) fn find_secondary_lights(&mut self, points: &SeenPoints) {
-        let Some(lit) = self.secondary_lights_that_pay(points) else { return };
-        for &prim_id in lit.prims() {
-            if std::mem::replace(&mut self.triangle_records[prim_id as usize].is_plain, 0) != 0 {
-                self.plain_lit.push(prim_id);
-            }
+        if let Some(lit) = self.secondary_lights_that_pay(points) {
+            self.lights.lit = lit;
         }
-        self.lights.lit = lit;
     }
 
     /// Removes all secondary lights.
     pub(crate) fn forget_secondary_lights(&mut self) {
-        for prim_id in self.plain_lit.drain(..) {
-            self.triangle_records[prim_id as usize].is_plain = 1;
-        }
         self.lights.lit = SecondaryLights::default();
     }
 
-    /// The triangles that are worth sampling.
+    /// The parts that are worth sampling.
     fn secondary_lights_that_pay(&self, points: &SeenPoints) -> Option<SecondaryLights> {
-        // Distant lights do not light small triangles strongly.
-        let mean = if self.lights.has_lamps() { self.mean_reflected(points) } else { 0.0 };
-        let lit = if mean > 0.0 { self.fiercest(FIERCE * mean) } else { Vec::new() };
-        if lit.is_empty() {
+        let mut views = self.views(points);
+        let mut bounces = self.bounces(&views);
+        let direct = mean_without_outliers(&bounces);
+        let is_lit = |bounce: &&Bounce| bounce.direct >= LEAST * direct;
+        let lit = bounces.iter().filter(is_lit).map(|it| (it.direct / (views[it.view].radiance + direct)).powi(2));
+        if direct <= 0.0 || lit.sum::<f32>() < MIN_VARIANCE * bounces.len() as f32 {
             return None;
         }
-        // By power.
-        let radiance = (sum(&lit, |light| light.radiance * light.radiance) / sum(&lit, |light| light.radiance)) as f32;
-        let reach = lit.par_iter().map(|(prim_id, light)| self.reach(*prim_id, light)).collect();
-        let mut lit = SecondaryLights::new(lit, reach, self.triangle_records.len());
-        let [received, reached] = self.mean_received(&lit, points);
-        // The mean radiance of bounces, and the share and the relative brightness of secondary lights.
-        let found = mean + received * FRAC_1_PI;
-        let (part, fierceness) = (received * FRAC_1_PI / found, radiance / found);
-        lit.aim_from(AIM_FROM * PI * found, PI * mean);
-        (part * fierceness >= MIN_GAIN && received >= MIN_UNOCCLUDED * reached).then_some(lit)
+        self.add_indirect(&mut bounces);
+        let mean = mean_without_outliers(&bounces);
+        views.iter_mut().for_each(|view| view.radiance += mean);
+        let least = LEAST * mean;
+        let found = self.found(&views, &bounces, least);
+        let divisions = self.divisions(&found);
+        let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division { side: 1 });
+        let triangles = self.triangle_records.len();
+        let all = SecondaryLights::new(self.candidates(&found, &divisions, least), division, triangles);
+        let rest = bounces.iter().map(|it| (it.radiance().min(least) / views[it.view].radiance).powi(2)).sum::<f32>();
+        let AimPlan { parts, worth } = self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
+        let rays = (REACH_RAYS / parts.len() as u32).clamp(LEAST_REACH_RAYS, MOST_REACH_RAYS);
+        let parts = parts.into_par_iter().map(|part| LitPart { reach: self.reach(&part, rays), ..part });
+        let mut lit = SecondaryLights::new(parts.collect(), division, triangles);
+        lit.aim_from(worth, PI * mean);
+        Some(lit)
     }
 
-    /// Triangles that reflect at least so much, with what they are as lights, as many as are to be aimed at.
-    fn fiercest(&self, least: f32) -> Vec<(u32, TriangleLight)> {
-        let areas: Vec<f32> = self.still_records().par_iter().map(|record| area(&record.corners)).collect();
-        let all: f64 = areas.iter().map(|&area| f64::from(area)).sum();
-        let is_small = |area: f32| area > 0.0 && f64::from(area) < SMALL * all;
-        let mut lit: Vec<(u32, TriangleLight)> = areas
-            .into_par_iter()
-            .enumerate()
-            .filter(|&(_, area)| is_small(area))
-            .filter_map(|(prim, area)| Some((prim as u32, self.lit(prim as u32, area, least)?)))
-            .collect();
-        // Of equals the first.
-        lit.sort_by(|(a, first), (b, second)| second.radiance.total_cmp(&first.radiance).then(a.cmp(b)));
-        let most = KEPT_POWER * sum(&lit, |light| light.radiance);
-        let (mut area, mut power) = (0.0, 0.0);
-        let kept = lit.iter().take(MAX_TRIANGLES).take_while(|(_, light)| {
-            let is_needed = power < most;
-            area += f64::from(light.area);
-            power += f64::from(light.area * light.radiance);
-            is_needed && area < ALL_SMALL * all
-        });
-        let kept = kept.count();
-        lit.truncate(kept);
-        lit
-    }
-
-    /// The mean irradiance that secondary lights cause where paths come, and what it would be if aimed rays met nothing
-    /// else.
-    fn mean_received(&self, lit: &SecondaryLights, points: &SeenPoints) -> [f32; 2] {
-        let (mut received, mut reached, mut count) = (0.0, 0.0, 0);
-        for point in points.all(self) {
-            let receiver = Receiver::new(point.position, point.normal, false);
-            let (each, chosen) = lit.representatives(&receiver);
-            for prim_id in chosen {
-                let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
-                let vector = point.position - middle.position;
-                if !lit.may_reach(prim_id, vector.normalize_or(Vec3::Z), vector.length()) {
-                    continue;
-                }
-                reached += each;
-                let end = middle.end_from(point.position);
-                if !self.occluded(&Ray::between(point.origin_towards(-vector), end)) {
-                    received += each;
-                }
-            }
-            count += 1;
+    /// What bounces find at each triangle, where at least `least` is lit.
+    fn found(&self, views: &[View], bounces: &[Bounce], least: f32) -> BTreeMap<u32, Found> {
+        let mut hits: BTreeMap<u32, Vec<&Bounce>> = BTreeMap::new();
+        for bounce in bounces {
+            hits.entry(bounce.hit.prim_id).or_default().push(bounce);
         }
-        [received, reached].map(|sum| sum / count.max(1) as f32)
+        hits.retain(|_, hits| hits.iter().any(|bounce| bounce.radiance() >= least));
+        // Single bounces find much where the mean is little.
+        let side = |bounce: &&Bounce| self.surface_at(&bounce.hit).facing(bounce.direction);
+        let paths = |hits: &Vec<&Bounce>| hits.len().max(INDIRECT_PATHS);
+        let from = hits.values().flat_map(|hits| hits.iter().cycle().take(paths(hits)).map(side));
+        let indirect = self.indirect(from.collect(), 4);
+        let mut first = 0;
+        let triangle = |(prim, hits): (u32, Vec<&Bounce>)| {
+            let count = paths(&hits);
+            let indirect = indirect[first..first + count].iter().sum::<f32>() / count as f32;
+            first += count;
+            let mut found = Found { bounces: hits.len() as f64, indirect, ..Found::default() };
+            for bounce in hits.iter().filter(|bounce| bounce.direct + indirect >= least) {
+                found.lit += 1.0;
+                found.squares += f64::from((bounce.direct + indirect) / views[bounce.view].radiance).powi(2);
+            }
+            (prim, found)
+        };
+        hits.into_iter().map(triangle).filter(|(_, found)| found.lit > 0.0).collect()
     }
 
-    /// The reach of a secondary light's light; misses count as far.
-    fn reach(&self, prim_id: u32, light: &TriangleLight) -> Reach {
-        let sampler = |number| Sampler::new(Pattern::Sobol, 0, prim_id, number);
+    /// How triangles are divided that are not small: those where bounces find so much reflected light. The number of
+    /// cells follows from the part of the variance of bounces that the triangle causes, and the part of it that is lit.
+    fn divisions(&self, found: &BTreeMap<u32, Found>) -> BTreeMap<u32, Division> {
+        let smallest = self.smallest_divided();
+        let all: f64 = found.values().map(|triangle| triangle.squares).sum();
+        let is_divided = |prim: u32, triangle: &Found| {
+            let record = self.still_records().get(prim as usize);
+            let is_large = record.is_some_and(|record| f64::from(area(&record.corners)) >= smallest);
+            is_large && triangle.squares > LEAST_SHARE * all
+        };
+        let division = |triangle: &Found| {
+            let cells = DIVIDED_PARTS * triangle.squares / all * triangle.bounces / triangle.lit;
+            Division { side: cells.sqrt().clamp(1.0, MAX_SIDE) as u32 }
+        };
+        let divided = found.iter().filter(|(prim, triangle)| is_divided(**prim, triangle));
+        divided.map(|(&prim, triangle)| (prim, division(triangle))).collect()
+    }
+
+    /// The area from which on triangles are divided.
+    fn smallest_divided(&self) -> f64 {
+        SMALL * self.still_records().iter().map(|record| f64::from(area(&record.corners))).sum::<f64>()
+    }
+
+    /// Parts of triangles that scatter at least so much: cells of divided triangles, and small triangles of meshes of
+    /// which bounces have found some lit, or that lamps close by may light so strongly.
+    fn candidates(
+        &self,
+        found: &BTreeMap<u32, Found>,
+        divisions: &BTreeMap<u32, Division>,
+        least: f32,
+    ) -> Vec<LitPart> {
+        let records = self.still_records();
+        let smallest = self.smallest_divided();
+        let lit_meshes: BTreeSet<u32> = found.keys().map(|&prim| self.triangle_records[prim as usize].mesh).collect();
+        let small = (0..records.len() as u32).into_par_iter().filter(|&prim| {
+            let record = &records[prim as usize];
+            let area = area(&record.corners);
+            area > 0.0
+                && f64::from(area) < smallest
+                && (lit_meshes.contains(&record.mesh) || self.may_be_lit_by_lamps(prim, least))
+        });
+        let small = small.map(|prim| (prim, Division { side: 1 }));
+        let cells = small
+            .chain(divisions.par_iter().map(|(&prim, &division)| (prim, division)))
+            .flat_map_iter(|(prim, division)| division.corners().map(move |places| (prim, places)));
+        cells
+            .filter_map(|(prim_id, places)| {
+                let indirect = found.get(&prim_id).map_or(0.0, |found| found.indirect);
+                let light = self.lit(prim_id, &places, (indirect, least))?;
+                Some(LitPart { prim_id, places, light, reach: Reach::default() })
+            })
+            .collect()
+    }
+
+    /// The reach of a part's light, by so many rays; misses count as far.
+    fn reach(&self, part: &LitPart, count: u32) -> Reach {
+        let LitPart { prim_id, places, light, .. } = part;
+        let sampler = |number| Sampler::new(Pattern::Sobol, 0, *prim_id, number);
         let ray = |number: u32| {
             let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
-            let point = TriangleWarp.map(Vec2::new(x, y));
+            let point = place_in(places, TriangleWarp.map(Vec2::new(x, y)));
             let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
             let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
-            Ray::new(self.surface(prim_id, point.x, point.y).origin_towards(direction), direction)
+            Ray::new(self.surface(*prim_id, point.x, point.y).origin_towards(direction), direction)
         };
-        let rays: Vec<Ray> = (0..REACH_RAYS).map(ray).collect();
+        let rays: Vec<Ray> = (0..count).map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         self.intersect_many(&rays, &mut hits);
         // A miss is as far away as anything.
@@ -143,7 +192,9 @@ impl World {
     }
 }
 
-/// The sum of a quantity of all lights, times area.
-fn sum(lights: &[(u32, TriangleLight)], of: impl Fn(&TriangleLight) -> f32) -> f64 {
-    lights.iter().map(|(_, light)| f64::from(of(light)) * f64::from(light.area)).sum()
+/// The mean radiance that bounces find, of which few may find very much.
+fn mean_without_outliers(bounces: &[Bounce]) -> f32 {
+    let mean =
+        |most: f32| bounces.iter().map(|bounce| bounce.radiance().min(most)).sum::<f32>() / bounces.len().max(1) as f32;
+    mean(OUTLIER * mean(f32::INFINITY))
 }

@@ -32,7 +32,6 @@ pub enum LightQuery<'a> {
 pub(crate) struct SeenPoints {
     seen: Vec<SeenPoint>,
     next: Vec<SeenPoint>,
-    last: Vec<SeenPoint>,
     /// The part of scattered rays that leave the scene.
     pub escaped: f32,
 }
@@ -56,11 +55,6 @@ impl SeenPoints {
     /// The surfaces from which rays were scattered, with normals that face the viewer.
     pub(crate) fn all<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
         self.seen.iter().chain(&self.next).map(|point| point.surface(world))
-    }
-
-    /// The surfaces that scattered rays hit.
-    pub(super) fn scattered<'a>(&'a self, world: &'a World) -> impl Iterator<Item = Surface<'a>> {
-        self.next.iter().chain(&self.last).map(|point| point.surface(world))
     }
 }
 
@@ -99,7 +93,7 @@ impl World {
         let (further, last) = self.scatter(&next, 1);
         let scattered = rays + further;
         let escaped = (scattered - next.len() - last.len()) as f32 / scattered as f32;
-        (scattered > 0).then_some(SeenPoints { seen, next, last, escaped })
+        (scattered > 0).then_some(SeenPoints { seen, next, escaped })
     }
 
     /// Points on the front of surfaces, spread by area.

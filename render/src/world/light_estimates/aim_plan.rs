@@ -1,0 +1,140 @@
+//! Chooses which secondary lights paths aim at, and whether that pays.
+//!
+//! A light tree chooses a few candidates for each point that paths come to, and shadow rays tell which of them can be
+//! seen. What bounces find from part `i`, of radiance `Lᵢ` and with the irradiance `π mᵢ`, has about the variance
+//! `mᵢ Lᵢ`. Aimed rays, which a path sends with the chance `c` and to that part with the probability `pᵢ`, leave
+//! `mᵢ Lᵢ / (1 + c pᵢ Lᵢ / mᵢ)` of it by the balance heuristic. From this follow the variance and the time of paths with
+//! and without aimed rays; the geometric mean over all points is compared, as few dark points have most of the variance.
+
+use std::f32::consts::{FRAC_1_PI, PI};
+
+use halfdome_kernel::Ray;
+use rayon::prelude::*;
+
+use super::bounces::View;
+use crate::light::{LitPart, Receiver, SecondaryLights};
+use crate::world::{Surface, World};
+
+/// Candidates have at least this multiple of the mean radiance that bounces find.
+pub(super) const LEAST: f32 = 2.0;
+/// Paths aim at parts of at least this fraction of the mean radiance of candidates, by the variance that they cause.
+const BRIGHT: f32 = 1.0 / 16.0;
+/// From this multiple of the mean irradiance on, paths always aim: found by trial.
+const AIM_FROM: f32 = 4.0;
+/// If each path aimed at each surface, its time would be about 1 more than this.
+const AIMED_TIME: f32 = 1.5;
+/// The greatest product of variance and time, relative to that without secondary lights.
+const MAX_PRODUCT: f32 = 0.9;
+/// Candidates that are chosen for each point.
+const CHOICES: u32 = 32;
+/// A part that no point sees in so many tries is left out.
+const ENOUGH_TRIES: u32 = 8;
+/// The greatest number of parts.
+const MAX_PARTS: usize = 1 << 13;
+
+/// What paths aim at.
+pub(super) struct AimPlan {
+    pub parts: Vec<LitPart>,
+    /// The irradiance of all parts from which on each path aims.
+    pub worth: f32,
+}
+
+/// A candidate that was chosen for a point.
+struct Try {
+    part: usize,
+    /// The radiance of the part.
+    radiance: f32,
+    /// The irradiance over π that the try represents if the part can be seen.
+    received: f32,
+    is_seen: bool,
+}
+
+impl Try {
+    /// The variance that it represents, relative to the radiance at the point.
+    fn variance(&self, view: &View) -> f32 {
+        if self.is_seen { self.radiance * self.received / view.radiance.powi(2) } else { 0.0 }
+    }
+}
+
+impl World {
+    /// Chooses among the candidates, where bounces find the radiance `mean`, and what is no candidate causes the
+    /// variance `rest`, relative to the radiance at the views.
+    pub(super) fn plan_aiming(
+        &self,
+        candidates: &SecondaryLights,
+        views: &[View],
+        (mean, rest): (f32, f32),
+    ) -> Option<AimPlan> {
+        let tries: Vec<Vec<Try>> = views.par_iter().map(|view| self.tries(candidates, view)).collect();
+        let mut tried = vec![0; candidates.parts().len()];
+        let mut variances = vec![0.0; tried.len()];
+        let (mut variance, mut by_variance) = (0.0, 0.0);
+        for (view, it) in views.iter().zip(&tries).flat_map(|(view, tries)| tries.iter().map(move |it| (view, it))) {
+            tried[it.part] += 1;
+            variances[it.part] += it.variance(view);
+            variance += it.variance(view);
+            by_variance += it.variance(view) * it.radiance;
+        }
+        if variance <= 0.0 {
+            return None;
+        }
+        let limit = (BRIGHT * by_variance / variance).max(LEAST * mean);
+        let bright = tries.iter().flatten().filter(|it| it.is_seen && it.radiance >= limit);
+        let received = bright.map(|it| it.received).sum::<f32>() / views.len() as f32;
+        let worth = AIM_FROM * PI * (mean + received);
+        if product(&tries, views, rest, (limit, worth)) > MAX_PRODUCT {
+            return None;
+        }
+        let is_kept = |&part: &usize| {
+            let may_be_seen = variances[part] > 0.0 || tried[part] < ENOUGH_TRIES;
+            may_be_seen && candidates.parts()[part].light.radiance >= limit
+        };
+        let mut kept: Vec<usize> = (0..tried.len()).filter(is_kept).collect();
+        kept.sort_by(|&a, &b| variances[b].total_cmp(&variances[a]).then(a.cmp(&b)));
+        kept.truncate(MAX_PARTS);
+        let parts: Vec<LitPart> = kept.into_iter().map(|part| candidates.parts()[part].clone()).collect();
+        (!parts.is_empty()).then_some(AimPlan { parts, worth })
+    }
+
+    /// Some candidates for a point.
+    fn tries(&self, candidates: &SecondaryLights, view: &View) -> Vec<Try> {
+        let receiver = Receiver::new(view.point.position, view.point.normal, false);
+        let (each, chosen) = candidates.representatives(&receiver, CHOICES);
+        let try_part = |(part, lit): (usize, &LitPart)| Try {
+            part,
+            radiance: lit.light.radiance,
+            received: each * FRAC_1_PI,
+            is_seen: self.is_seen(lit, &view.point),
+        };
+        chosen.map(try_part).collect()
+    }
+
+    /// Whether nothing is between a point and the middle of a part.
+    fn is_seen(&self, part: &LitPart, point: &Surface) -> bool {
+        let place = part.middle();
+        let middle = self.surface(part.prim_id, place.x, place.y);
+        let vector = middle.position - point.position;
+        !self.occluded(&Ray::between(point.origin_towards(vector), middle.end_from(point.position)))
+    }
+}
+
+/// The variance times the time of paths that aim at parts from a radiance on, always from an irradiance on, relative to
+/// that of paths that do not aim.
+fn product(tries: &[Vec<Try>], views: &[View], rest: f32, (limit, worth): (f32, f32)) -> f32 {
+    let (mut logarithm, mut aimed) = (0.0, 0.0);
+    for (view, tries) in views.iter().zip(tries) {
+        let all: f32 = tries.iter().filter(|it| it.radiance >= limit).map(|it| it.received).sum();
+        let chance = (all * PI / worth).min(1.0);
+        let rest = rest + view.variance / view.radiance.powi(2);
+        let (mut without, mut with) = (rest, rest);
+        for it in tries {
+            let aimed = if it.radiance >= limit { chance * it.radiance / all } else { 0.0 };
+            without += it.variance(view);
+            with += it.variance(view) / (1.0 + aimed);
+        }
+        logarithm += (with / without).ln();
+        aimed += chance;
+    }
+    let count = views.len() as f32;
+    (logarithm / count).exp() * (1.0 + AIMED_TIME * aimed / count)
+}
