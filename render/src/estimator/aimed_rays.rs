@@ -59,8 +59,7 @@ impl AimedFrom {
     /// triangles.
     pub(crate) fn new(world: &World, surface: &Surface, others: usize) -> Self {
         let receiver = Receiver::new(surface.position, surface.shading_normal, false);
-        let share = world.lights.lit.share(&receiver);
-        Self { receiver, count: (share * others as f32).ceil() as u32 }
+        Self { receiver, count: world.lights.lit.aimed_rays(&receiver, others) }
     }
 
     /// The rays that it aims.

@@ -8,6 +8,8 @@
 
 mod cells;
 
+use std::f32::consts::PI;
+
 use glam::{Vec2, Vec2Swizzles, Vec3};
 use halfdome_kernel::Triangle;
 
@@ -54,7 +56,9 @@ pub(crate) struct SecondaryLights {
     divisions: Vec<(Division, usize)>,
     /// The number of each cell's secondary light, or [`NO_LIGHT`].
     cells: Vec<u32>,
-    /// The irradiance from which on each path aims at them, as luminance.
+    /// Their mean radiance by power, as luminance.
+    radiance: f32,
+    /// The irradiance from which on each path aims at them, likewise.
     worth: f32,
     /// The mean irradiance of other surfaces, likewise.
     elsewhere: f32,
@@ -83,6 +87,9 @@ impl SecondaryLights {
     /// These secondary lights, which are triangles or cells of them, in a scene of `triangles` triangles.
     pub(crate) fn new(parts: Vec<LitPart>, division_of: impl Fn(u32) -> Division, triangles: usize) -> Self {
         let lights: Vec<TriangleLight> = parts.iter().map(|part| part.light).collect();
+        let power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance)).sum();
+        let by_power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance * it.radiance)).sum();
+        let radiance = (by_power / power) as f32;
         let mut divided = vec![NO_LIGHT; triangles];
         let (mut divisions, mut cells) = (Vec::new(), Vec::new());
         for (index, part) in (0..).zip(&parts) {
@@ -97,7 +104,7 @@ impl SecondaryLights {
             let (cell, _) = division.locate(part.middle());
             cells[first + cell as usize] = index;
         }
-        Self { tree: Tree::build(&lights), parts, divided, divisions, cells, worth: 0.0, elsewhere: 0.0 }
+        Self { tree: Tree::build(&lights), parts, divided, divisions, cells, radiance, worth: 0.0, elsewhere: 0.0 }
     }
 
     /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
@@ -106,10 +113,17 @@ impl SecondaryLights {
         (self.worth, self.elsewhere) = (worth, elsewhere);
     }
 
-    /// About what part of the irradiance at a receiver they cause if nothing is in between.
-    pub(crate) fn share(&self, receiver: &Receiver) -> f32 {
+    /// The number of aimed rays for a receiver that sends so many other rays, evenly spread: by about what part of its
+    /// irradiance secondary lights cause if nothing is in between. Where several of the others find them, fewer are
+    /// worth it.
+    pub(crate) fn aimed_rays(&self, receiver: &Receiver, others: usize) -> u32 {
         let irradiance = self.tree.as_ref().map_or(0.0, |tree| total(&tree.root_weights(receiver)));
-        if irradiance > 0.0 { irradiance / (irradiance + self.elsewhere) } else { 0.0 }
+        if irradiance <= 0.0 {
+            return 0;
+        }
+        let share = irradiance / (irradiance + self.elsewhere);
+        let hits = others as f32 * irradiance / (PI * self.radiance);
+        (share * others as f32 / hits.max(1.0)).ceil() as u32
     }
 
     /// The secondary light at a point of triangle `prim_id` with these barycentric coordinates.

@@ -1,6 +1,7 @@
 //! Direct light on a plane against closed forms: lights without a surface, the sky, and Lambert's polygon formula.
 
 mod guide;
+mod lit_parts;
 mod profiles;
 mod secondary;
 mod sizes;
