@@ -163,7 +163,7 @@ pub use geometry::{
 pub use glam;
 #[cfg(any(feature = "alloc", test))]
 pub use scene::Scene;
-pub use scene::{Item, SceneHit, ScenePoint, SceneRay, SceneView};
+pub use scene::{Item, SceneHit, SceneHitPacket, ScenePoint, SceneRay, SceneRayPacket, SceneView};
 pub use simd::{Isa, Level, Task, UnknownLevel};
 pub use traverse::{Facing, Hits, Verdict};
 

@@ -54,6 +54,24 @@ pub(crate) struct Shaft {
     pub is_pointed: bool,
 }
 
+/// What rays are traced through.
+pub(crate) struct Surroundings {
+    /// The box around it.
+    pub bounds: Aabb,
+    /// What boxes in it are widened by, along each axis, besides the nodes' pad.
+    pub pad: Vec3,
+}
+
+impl Surroundings {
+    /// The greatest distances along each axis from a box of origins to anything in the bounds.
+    #[inline(always)]
+    pub(crate) fn reach(&self, origins: &Aabb) -> Vec3 {
+        let Aabb { min, max } = self.bounds;
+        let reach = (max - origins.min).abs().max((max - origins.max).abs());
+        reach.max((min - origins.min).abs()).max((min - origins.max).abs())
+    }
+}
+
 impl<L: Copy> Bundle<L> {
     #[inline(always)]
     pub(crate) fn new<const N: usize>(rays: &RayPacket<N>, scene: &Aabb) -> Self
@@ -81,7 +99,7 @@ impl<L: Copy> Bundle<L> {
 
     /// The direction class of the first ray of `rays`, a non-empty mask, and which of the rays share it.
     #[inline(always)]
-    pub(crate) fn class<const N: usize>(&self, rays: u32) -> (DirectionClass, u32)
+    fn class<const N: usize>(&self, rays: u32) -> (DirectionClass, u32)
     where
         L: Lanes<N>,
     {
@@ -101,6 +119,22 @@ impl<L: Copy> Bundle<L> {
             (false, false) => (2, !x & !y),
         };
         (DirectionClass { axes: Axis::permutation(z, negative[z]), negative }, sharing & along)
+    }
+
+    /// Takes the first of the rays `waiting`, a non-empty mask, and those that can be traced together with it: they
+    /// share its direction class, are among `alike`, as it is, and begin ahead of their origins. A ray that does not is
+    /// taken alone.
+    #[inline(always)]
+    pub(crate) fn take_part<const N: usize>(&self, waiting: &mut u32, alike: u32) -> (DirectionClass, u32)
+    where
+        L: Lanes<N>,
+    {
+        let (class, sharing) = self.class(*waiting);
+        let first = sharing & sharing.wrapping_neg();
+        let ahead = L::splat(0.0).le(self.t_min).bits();
+        let rays = if first & ahead == 0 { first } else { sharing & ahead & alike };
+        *waiting &= !rays;
+        (class, rays)
     }
 
     /// What triangles are tested with: for the lanes of `class` the numbers of [`Line`](super::setup::Line).
@@ -149,29 +183,35 @@ impl<L: Copy> Bundle<L> {
         (lines.inverse, near, far)
     }
 
-    /// How far the rays go, at most: to `t_max`, or out of the scene along the fastest axis.
+    /// How far the rays go, at most: to `t_max`, or out of the surroundings along the fastest axis.
     #[inline(always)]
     pub(crate) fn lengths<const N: usize>(
         &self,
         class: &DirectionClass,
         lines: &LineLanes<L>,
         t_max: L,
-        scene: &Aabb,
+        Surroundings { bounds, pad }: &Surroundings,
     ) -> L
     where
         L: Lanes<N>,
     {
         let z = class.axes[2] as usize;
-        let end = if class.negative[z] { scene.min[z] } else { scene.max[z] };
+        let end = if class.negative[z] { bounds.min[z] } else { bounds.max[z] };
         let (far, o) = (L::splat(end) - self.origin[z], self.origin[z].abs());
-        let pad = far.abs() * L::splat(4.0 * NODE_PAD) + o * L::splat(NODE_ORIGIN_PAD);
+        let pad = far.abs() * L::splat(4.0 * NODE_PAD) + o * L::splat(NODE_ORIGIN_PAD) + L::splat(pad[z]);
         let pad = if class.negative[z] { L::splat(0.0) - pad } else { pad };
         t_max.min((far + pad) * lines.inverse[2]).max(L::splat(0.0))
     }
 
     /// The shaft of `rays`, a non-empty mask of rays of `class`, of the given lengths.
     #[inline(always)]
-    pub(crate) fn shaft<const N: usize>(&self, class: &DirectionClass, lengths: L, rays: u32, scene: &Aabb) -> Shaft
+    pub(crate) fn shaft<const N: usize>(
+        &self,
+        class: &DirectionClass,
+        lengths: L,
+        rays: u32,
+        surroundings: &Surroundings,
+    ) -> Shaft
     where
         L: Lanes<N>,
     {
@@ -182,12 +222,11 @@ impl<L: Copy> Bundle<L> {
             let end = self.origin[axis] + lengths * self.direction[axis];
             (ends.min[axis], ends.max[axis]) = range(rays, end);
         }
-        let reach = (scene.max - origins.min).abs().max((scene.max - origins.max).abs());
-        let reach = reach.max((scene.min - origins.min).abs()).max((scene.min - origins.max).abs());
+        let reach = surroundings.reach(&origins);
         let reach_z = reach[class.axes[2] as usize];
         let pad = (reach + reach_z) * (2.0 * NODE_PAD)
             + origins.min.abs().max(origins.max.abs()) * (2.0 * NODE_ORIGIN_PAD)
-            + Vec3::splat(f32::MIN_POSITIVE);
+            + (surroundings.pad + Vec3::splat(f32::MIN_POSITIVE));
         let sides = [(origins.max + pad, ends.max + pad), (origins.min - pad, ends.min - pad)];
         let mut shaft = Shaft {
             inverse: [[0.0; 3]; 2],
@@ -212,7 +251,7 @@ impl<L: Copy> Bundle<L> {
 impl<L: Copy> Bundle<L> {
     /// The box around the origins of `rays`, a non-empty mask, and whether they are one point.
     #[inline(always)]
-    fn origins<const N: usize>(&self, rays: u32) -> (Aabb, bool)
+    pub(crate) fn origins<const N: usize>(&self, rays: u32) -> (Aabb, bool)
     where
         L: Lanes<N>,
     {

@@ -4,7 +4,7 @@
 
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use crate::geometry::Ray;
+use crate::geometry::{Ray, RayPacket};
 
 /// The greatest `‖M‖ ‖M⁻¹‖`: about the ratio of the longest to the shortest image of a unit vector.
 pub const MAX_CONDITION: f64 = 65536.0;
@@ -27,6 +27,21 @@ impl Inverse {
     pub(super) fn ray(&self, translation: DVec3, ray: &Ray) -> Ray {
         let origin = self.rotate(ray.origin.as_dvec3() - translation);
         Ray { origin: origin.as_vec3(), direction: self.rotate(ray.direction.as_dvec3()).as_vec3(), ..*ray }
+    }
+
+    /// Sets origins and directions to those of a packet in the item's space, each as of [`ray`](Self::ray).
+    #[inline(always)]
+    pub(super) fn packet<const N: usize>(&self, translation: DVec3, rays: &RayPacket<N>, local: &mut RayPacket<N>) {
+        let ([x, y, z], [tx, ty, tz]) = (self.0.to_cols_array_2d(), translation.to_array());
+        let product = |k: usize, [a, b, c]: [f64; 3]| (x[k] * a + y[k] * b + z[k] * c) as f32;
+        let ([ox, oy, oz], [dx, dy, dz]) = (&rays.origin, &rays.direction);
+        for k in 0..3 {
+            for lane in 0..N {
+                let from = [f64::from(ox[lane]) - tx, f64::from(oy[lane]) - ty, f64::from(oz[lane]) - tz];
+                local.origin[k][lane] = product(k, from);
+                local.direction[k][lane] = product(k, [dx[lane].into(), dy[lane].into(), dz[lane].into()]);
+            }
+        }
     }
 
     /// The norm of the inverse matrix.

@@ -3,7 +3,9 @@
 //! | rays | closest hit | any hit |
 //! | --- | --- | --- |
 //! | one | [`SceneView::intersect`] | [`SceneView::occluded`] |
-//! | a slice: the quickest way for many | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
+//! | 4 to 32 that run alike | [`SceneView::intersect_packet`] | [`SceneView::occluded_packet`] |
+//! | a slice | [`SceneView::intersect_many`] | [`SceneView::occluded_many`] |
+//! | a slice, of one origin | [`SceneView::intersect_gather`] | [`SceneView::occluded_gather`] |
 //! | one, with a filter | [`SceneView::intersect_filtered`] | [`SceneView::occluded_filtered`] |
 //! | all hits of one | [`SceneView::for_each_hit`], [`SceneView::nearest_hits`] | [`SceneView::count_hits`] |
 //!
@@ -78,8 +80,10 @@ mod near;
 mod object;
 #[cfg(any(feature = "alloc", test))]
 mod owned;
+mod packet;
 mod quad;
 mod ray;
+mod ray_packet;
 pub mod reference;
 mod round;
 mod search;
@@ -106,6 +110,7 @@ pub use object::Object;
 pub use owned::{Commit, Scene};
 pub use quad::Quads;
 pub use ray::{SceneHit, ScenePoint, SceneRay};
+pub use ray_packet::{SceneHitPacket, SceneRayPacket};
 pub use shape::Shape;
 pub use sphere::Spheres;
 pub use view::MAX_LEVELS;
@@ -224,8 +229,8 @@ impl SceneView<'_> {
     /// Writes the nearest hit of each ray, or [`SceneHit::MISS`]. Elements beyond the end of the shorter slice are left
     /// unchanged.
     ///
-    /// The fastest way for many rays, coherent or not: 32 of them are traced at the same time, as a stream, unless
-    /// there are nested scenes.
+    /// The fastest way for many incoherent rays: 32 of them are traced at the same time, as a stream, unless there are
+    /// nested scenes.
     pub fn intersect_many(&self, rays: &[SceneRay], hits: &mut [SceneHit]) {
         let rays = &rays[..rays.len().min(hits.len())];
         match self.isa().level() {

@@ -33,7 +33,7 @@ use super::inverse::{Inverse, MAX_CONDITION, inverse_norm_between, linear, norm,
 use crate::bvh::BvhView;
 use crate::error::{Error, InvalidScene};
 use crate::geometry::moment::Moment;
-use crate::geometry::{Aabb, Ray};
+use crate::geometry::{Aabb, Ray, RayPacket};
 
 /// The greatest error of a scene's boxes, in units of the reach of a ray.
 pub(super) const MAX_ERROR: f32 = 0.25;
@@ -155,13 +155,40 @@ impl<'a> Placement<'a> {
     /// The ray in the item's space, at a time in 0..=1 or moved there; `None` if the time is NaN.
     #[inline(always)]
     pub(super) fn to_local(&self, ray: &Ray, time: f32) -> Option<Ray> {
+        if let Self::AsItIs = self {
+            return Some(*ray);
+        }
+        let (translation, inverse) = self.inverse(time)?;
+        Some(inverse.ray(translation, ray))
+    }
+
+    /// Sets origins and directions to those of the rays of a packet in the item's space, as of
+    /// [`to_local`](Self::to_local). Whether there are any.
+    #[inline(always)]
+    pub(super) fn packet_to_local<const N: usize>(
+        &self,
+        rays: &RayPacket<N>,
+        time: f32,
+        local: &mut RayPacket<N>,
+    ) -> bool {
+        if let Self::AsItIs = self {
+            (local.origin, local.direction) = (rays.origin, rays.direction);
+            return true;
+        }
+        let Some((translation, inverse)) = self.inverse(time) else { return false };
+        inverse.packet(translation, rays, local);
+        true
+    }
+
+    /// The translation and the inverse at a time.
+    #[inline(always)]
+    fn inverse(&self, time: f32) -> Option<(DVec3, Inverse)> {
         match self {
-            Self::AsItIs => Some(*ray),
-            Self::Flat { .. } => None,
-            Self::Still { to_scene, to_local, .. } => Some(to_local.ray(to_scene.translation(), ray)),
+            Self::AsItIs | Self::Flat { .. } => None,
+            Self::Still { to_scene, to_local, .. } => Some((to_scene.translation(), *to_local)),
             Self::Moving { keys, .. } => {
                 let (linear, translation) = between(keys, time)?;
-                Some(Inverse::new(linear)?.ray(translation, ray))
+                Some((translation, Inverse::new(linear)?))
             }
         }
     }

@@ -7,9 +7,9 @@ use super::object::Target;
 use super::search::{Closest, ItemCollector, Judged, Search};
 use super::{Item, SceneHit, SceneRay, SceneView};
 use super::{round, shape};
-use crate::geometry::Hit;
 use crate::geometry::moment::Moment;
 use crate::geometry::setup::{NODE_ORIGIN_PAD, RaySetup, Slabs};
+use crate::geometry::{Hit, Ray};
 use crate::simd::{Isa, Simd, Work, dispatch};
 use crate::traverse::single::{self, Intersector, moving};
 use crate::traverse::{TraversalStack, Verdict};
@@ -54,22 +54,17 @@ impl<Q: Search> Work for Trace<'_, Q> {
 }
 
 /// One ray, and the entry with the box of an index in the scene's tree.
-pub(super) struct MeetItem<'a, Q> {
-    pub scene: &'a SceneView<'a>,
-    pub ray: &'a SceneRay,
+pub(super) struct MeetItem<'a, 's, Q> {
+    pub visit: Visit<'a, 's, Q>,
     pub index: u32,
-    pub search: &'a mut Q,
 }
 
-impl<Q: Search> Work for MeetItem<'_, Q> {
+impl<Q: Search> Work for MeetItem<'_, '_, Q> {
     type Output = ();
     #[inline(always)]
-    fn run<S: Simd>(self) {
-        let Self { scene, ray, index, search } = self;
-        let triangles = &mut TraversalStack::new();
-        let mut visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
+    fn run<S: Simd>(mut self) {
         // The search itself records whether it was ended early.
-        let _ = visit.meet_part::<S>(index);
+        let _ = self.visit.meet_part::<S>(self.index);
     }
 }
 
@@ -117,16 +112,16 @@ impl Memory {
 }
 
 /// A ray in a nested scene.
-struct Visit<'a, 's, Q> {
-    scene: &'a SceneView<'a>,
-    isa: Isa,
-    ray: SceneRay,
+pub(super) struct Visit<'a, 's, Q> {
+    pub scene: &'a SceneView<'a>,
+    pub isa: Isa,
+    pub ray: SceneRay,
     /// The first of the paths through this scene, in the outermost.
-    first_path: u64,
-    depth: u32,
-    search: &'s mut Q,
+    pub first_path: u64,
+    pub depth: u32,
+    pub search: &'s mut Q,
     /// Memory for walks through trees of triangles, one at a time.
-    triangles: &'s mut TraversalStack,
+    pub triangles: &'s mut TraversalStack,
 }
 
 impl<Q: Search> Visit<'_, '_, Q> {
@@ -155,7 +150,7 @@ fn set_up(scene: &SceneView, SceneRay { ray, time, .. }: &SceneRay) -> Option<(S
 
 /// Enters a nested scene. Not inlined: this is the recursive call.
 #[inline(never)]
-fn enter<Q: Search>(visit: Visit<Q>) -> ControlFlow<()> {
+pub(super) fn enter<Q: Search>(visit: Visit<Q>) -> ControlFlow<()> {
     dispatch(visit.isa, visit)
 }
 
@@ -214,7 +209,7 @@ impl<Q: Search> Visit<'_, '_, Q> {
     /// Traces the ray through one item.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, item: &Item, index: u32, prim_id: u32) -> ControlFlow<()> {
-        let SceneRay { ray, time, mask } = self.ray;
+        let SceneRay { ray, time, .. } = self.ray;
         let Some(ray) = item.placement.to_local(&ray, time) else {
             return ControlFlow::Continue(());
         };
@@ -232,11 +227,15 @@ impl<Q: Search> Visit<'_, '_, Q> {
                 Some(hit) if hit.t <= self.search.t_max() => self.search.report(SceneHit { hit, ..common }),
                 _ => ControlFlow::Continue(()),
             },
-            Target::Scene(scene) => {
-                let (ray, first_path) = (SceneRay { ray, time, mask }, self.first_path + item.first_path);
-                let (search, triangles) = (&mut *self.search, &mut *self.triangles);
-                enter(Visit { scene: &scene, isa: self.isa, ray, first_path, depth: self.depth + 1, search, triangles })
-            }
+            Target::Scene(scene) => enter(self.nested(&scene, item, ray)),
         }
+    }
+
+    /// The visit of an item that is a scene, from the ray in the space of that.
+    #[inline(always)]
+    pub(super) fn nested<'i>(&'i mut self, scene: &'i SceneView<'i>, item: &Item, ray: Ray) -> Visit<'i, 'i, Q> {
+        let Self { isa, ray: SceneRay { time, mask, .. }, first_path, depth, .. } = *self;
+        let (ray, first_path, depth) = (SceneRay { ray, time, mask }, first_path + item.first_path, depth + 1);
+        Visit { scene, isa, ray, first_path, depth, search: &mut *self.search, triangles: &mut *self.triangles }
     }
 }

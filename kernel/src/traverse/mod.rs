@@ -25,7 +25,7 @@
 mod collector;
 mod leaf_test;
 pub(crate) mod node_test;
-mod packet;
+pub(crate) mod packet;
 mod query;
 pub mod reference;
 pub(crate) mod single;
@@ -77,7 +77,7 @@ impl BvhView<'_> {
                 hits.set(lane, reference::intersect(self, &rays.ray(lane)).unwrap_or(Hit::MISS));
             }
         } else {
-            Width::<N>::trace::<false>(self, rays, hits);
+            Width::<N>::run(self.isa(), packet::Trace::<false, N> { tree: self, rays, hits });
         }
     }
 
@@ -90,7 +90,8 @@ impl BvhView<'_> {
             let occluded = |&lane: &usize| reference::occluded(self, &rays.ray(lane));
             rays.active_lanes().filter(occluded).fold(0, |bits, lane| bits | 1 << lane)
         } else {
-            Width::<N>::trace::<true>(self, rays, &mut { HitPacket::MISS })
+            let mut hits = HitPacket::MISS;
+            Width::<N>::run(self.isa(), packet::Trace::<true, N> { tree: self, rays, hits: &mut hits })
         }
     }
 

@@ -6,8 +6,8 @@ use std::thread;
 use glam::{Vec3, vec3};
 use halfdome_kernel::traverse::{PacketWidth, Width};
 use halfdome_kernel::{
-    BuildOptions, Bvh, BvhView, Facing, Hit, HitPacket, Item, Ray, RayPacket, Scene, SceneHit, SceneRay, SceneView,
-    Triangle, Verdict,
+    BuildOptions, Bvh, BvhView, Facing, Hit, HitPacket, Item, Ray, RayPacket, Scene, SceneHit, SceneHitPacket,
+    SceneRay, SceneRayPacket, SceneView, Triangle, Verdict,
 };
 use halfdome_tests::check::isas;
 
@@ -71,9 +71,26 @@ fn ask_scene(scene: &SceneView, rays: &[SceneRay], hits: &mut [SceneHit], occlud
         let mut nearest = [SceneHit::MISS; 4];
         assert!(scene.count_hits(ray) >= scene.nearest_hits(ray, &mut nearest));
     }
+    scene_packet::<4>(scene, rays);
+    scene_packet::<8>(scene, rays);
+    scene_packet::<16>(scene, rays);
+    scene_packet::<32>(scene, rays);
+    scene.intersect_gather(rays, hits);
+    scene.occluded_gather(rays, occluded);
     scene.occluded_many(rays, occluded);
     scene.intersect_many(rays, hits);
     hits.iter().filter(|hit| hit.is_hit()).count()
+}
+
+/// Not inlined, so that its packets are on the stack only while they are traced.
+#[inline(never)]
+fn scene_packet<const N: usize>(scene: &SceneView, rays: &[SceneRay])
+where
+    Width<N>: PacketWidth<N>,
+{
+    let packet = SceneRayPacket::<N>::from_rays(rays);
+    scene.intersect_packet(&packet, &mut { SceneHitPacket::MISS });
+    let _ = scene.occluded_packet(&packet);
 }
 
 /// Runs `call` on a thread that has no more stack than that.

@@ -1,7 +1,7 @@
 //! Rays at the leaves of the scene's tree: they enter meshes eight at a time, and other objects one by one.
 
 use super::super::search::Search;
-use super::super::walk::MeetItem;
+use super::super::walk::{MeetItem, Visit};
 use super::super::{SceneHit, SceneRay, SceneView};
 use super::entering::Entering;
 use super::trees::MeshAt;
@@ -9,6 +9,7 @@ use super::{ACTIVE, Answers, SceneStream};
 use crate::bvh::Child;
 use crate::geometry::Ray;
 use crate::simd::{Simd, dispatch};
+use crate::traverse::TraversalStack;
 use crate::traverse::stream::{NONE, places_of};
 
 impl<'a, A: Answers> SceneStream<'a, A> {
@@ -108,5 +109,7 @@ impl<'a, A: Answers> SceneStream<'a, A> {
 /// Not inlined, so that its stack frame exists only while it runs.
 #[inline(never)]
 fn meet<Q: Search>(scene: &SceneView, ray: &SceneRay, index: u32, search: &mut Q) {
-    dispatch(scene.isa(), MeetItem { scene, ray, index, search });
+    let triangles = &mut TraversalStack::new();
+    let visit = Visit { scene, isa: scene.isa(), ray: *ray, first_path: 0, depth: 0, search, triangles };
+    dispatch(scene.isa(), MeetItem { visit, index });
 }

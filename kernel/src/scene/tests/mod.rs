@@ -5,6 +5,7 @@ mod limits;
 mod motion;
 mod near;
 mod order;
+mod packets;
 mod round;
 mod shapes;
 mod streams;
@@ -80,6 +81,10 @@ fn check(scene: &SceneView, rays: &[SceneRay]) -> usize {
             assert_eq!(bits(Some(hit)), bits(Some(expected.unwrap_or(SceneHit::MISS))), "{level}, many, {ray:?}");
             assert_eq!(occluded, expected.is_some(), "{level}, many, any hit, {ray:?}");
         }
+        // The loops are slow, and packets of them are what they are.
+        let count = if isa == crate::Isa::SCALAR { rays.len().min(32) } else { rays.len() };
+        packets::check_packets(&scene, &rays[..count], &expected);
+        packets::check_gathers(&scene, &rays[..count], &expected);
     }
     expected.iter().flatten().count()
 }

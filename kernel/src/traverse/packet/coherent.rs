@@ -1,12 +1,11 @@
 //! A coherent packet, whose rays share octant and fastest axis: the boxes of a node, and those of a block's triangles,
 //! against a shaft of all rays first, then those that the shaft hits against the rays, one a lane.
 
-use crate::bvh::{BvhView, Child, MAX_STACK, Node, TriangleBlock, WIDTH};
-use crate::geometry::HitPacket;
-use crate::geometry::bundle::{Bundle, DirectionClass, Shaft, greatest};
+use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
+use crate::geometry::bundle::{Bundle, DirectionClass, Shaft, Surroundings, greatest};
 use crate::geometry::triangle::LineLanes;
 use crate::simd::{CompressChildren, Lanes, Mask, Simd};
-use crate::traverse::node_test::{prefetch, visit_octant};
+use crate::traverse::node_test::visit_octant;
 
 /// A subtree to visit, the rays that may meet its box, and the entry distance of the first of them, as a fraction of
 /// its length.
@@ -20,14 +19,30 @@ struct Entry {
 /// From this visit on, rays of one origin no longer count as coherent, and boxes are tested with each ray.
 const COHERENT: u32 = 4;
 
+/// A tree that a packet goes through.
+pub(crate) trait PacketTree<const N: usize, L> {
+    /// Whether what is in a leaf costs so much that no ray should come there in vain.
+    const IS_EXPENSIVE: bool;
+
+    /// The node of this index, if there is one; `room` is memory for it.
+    fn node<'n, S: Simd>(&'n self, index: u32, room: &'n mut Node) -> Option<&'n Node>;
+
+    /// Prefetches a child.
+    fn prefetch<S: Simd>(&self, child: u32);
+
+    /// What the rays' hits may be at most as far away as.
+    fn t_max(&self) -> &[f32; N];
+
+    /// Tests what is in a leaf, up to the fraction `left` of the rays' lengths. Gives those of `rays` that found a
+    /// better hit.
+    fn visit_leaf<S: Simd>(&mut self, packet: &CoherentPacket<N, L>, leaf: u32, rays: u32, left: f32) -> u32;
+}
+
 /// Rays whose directions are of one class.
-pub(super) struct CoherentPacket<const N: usize, L> {
+pub(crate) struct CoherentPacket<const N: usize, L> {
     pub(super) class: DirectionClass,
     octant: u8,
     shaft: Shaft,
-    pub(super) lines: LineLanes<L>,
-    /// The same numbers, for when few rays are left.
-    pub(super) line: LineLanes<[f32; N]>,
     /// For the nodes' boxes, as in [`Slabs`](crate::geometry::setup::Slabs), in the order of the axes.
     inverse: [L; 3],
     near_shift: [L; 3],
@@ -39,43 +54,43 @@ pub(super) struct CoherentPacket<const N: usize, L> {
 
 impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
     #[inline(always)]
-    pub(super) fn new(bundle: &Bundle<L>, class: DirectionClass, rays: u32, t_max: &[f32; N], tree: &BvhView) -> Self {
-        let scene = &tree.bounds();
-        let lines = bundle.lines(&class);
-        let lengths = bundle.lengths(&class, &lines, L::load(t_max), scene);
-        let shaft = bundle.shaft(&class, lengths, rays, scene);
+    pub(crate) fn new(
+        bundle: &Bundle<L>,
+        class: DirectionClass,
+        lines: &LineLanes<L>,
+        rays: u32,
+        t_max: &[f32; N],
+        surroundings: &Surroundings,
+    ) -> Self {
+        let lengths = bundle.lengths(&class, lines, L::load(t_max), surroundings);
+        let shaft = bundle.shaft(&class, lengths, rays, surroundings);
         let inverse_lengths = L::splat(1.0 + 8.0 * f32::EPSILON) / lengths.max(L::splat(f32::MIN_POSITIVE));
         let [x, y, z] = class.negative.map(u8::from);
-        let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
-        let line = LineLanes {
-            origin: [a.store(), b.store(), c.store()],
-            inverse: [d.store(), e.store(), f.store()],
-            shear: [g.store(), h.store()],
-        };
-        let (inverse, near_shift, far_shift) = bundle.slabs(&class, &lines, &shaft);
+        let (inverse, near_shift, far_shift) = bundle.slabs(&class, lines, &shaft);
         let t_min = bundle.t_min;
         let octant = x | y << 1 | z << 2;
-        Self { class, octant, shaft, lines, line, inverse, near_shift, far_shift, t_min, inverse_lengths }
+        Self { class, octant, shaft, inverse, near_shift, far_shift, t_min, inverse_lengths }
     }
 
     /// The greatest remaining fraction of a ray's length.
     #[inline(always)]
-    fn left(&self, rays: u32, best: &HitPacket<N>) -> f32 {
-        let left = L::load(&best.t) * self.inverse_lengths;
+    fn left(&self, rays: u32, t_max: &[f32; N]) -> f32 {
+        let left = L::load(t_max) * self.inverse_lengths;
         greatest(L::select(L::Mask::from_bits(rays), left, L::splat(f32::NEG_INFINITY))).min(2.0)
     }
 
-    /// Finds hits for `rays` that precede the best ones, and gives the rays that have one. With `ANY` it looks for one
-    /// of each, and writes none.
+    /// Takes `rays` through a tree, roughly from near to far, and gives those that found a better hit. With `ANY` a ray
+    /// that has found one goes no farther.
     #[inline(always)]
-    pub(super) fn trace<const ANY: bool, S: Simd>(&self, tree: &BvhView, rays: u32, best: &mut HitPacket<N>) -> u32 {
+    pub(crate) fn walk<const ANY: bool, S: Simd, T: PacketTree<N, L>>(&self, tree: &mut T, rays: u32) -> u32 {
         let (mut live, mut all_found) = (rays, 0);
-        let mut left = self.left(live, best);
+        let mut left = self.left(live, tree.t_max());
+        let mut room = Node::EMPTY;
         // All zeros, which is fastest to write.
         let mut stack = [Entry { child: 0, rays: 0, near: 0.0 }; MAX_STACK];
         stack[0].rays = rays;
         let mut height = 1;
-        let mut visits = if self.shaft.is_pointed { 0 } else { COHERENT };
+        let mut visits = if self.shaft.is_pointed && !T::IS_EXPENSIVE { 0 } else { COHERENT };
         while height > 0 {
             height -= 1;
             let Entry { child, rays, near } = stack[height];
@@ -85,16 +100,16 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
                 continue;
             }
             if Child::is_node(child) {
-                let Some(node) = tree.nodes().get(child as usize) else { continue };
+                let Some(node) = tree.node::<S>(child, &mut room) else { continue };
                 let (mut slots, mut near) = ([0; WIDTH], [0.0; WIDTH]);
                 let count = self.enter::<ANY, S>(node, left, &mut slots, &mut near);
                 let loose = visits >= COHERENT;
                 visits += 1;
-                let t_max = L::load(&best.t);
+                let t_max = L::load(tree.t_max());
                 for (&slot, &near) in slots.iter().zip(&near).take(count) {
                     let slot = slot as usize % WIDTH;
                     let rays = if loose { rays & self.meet_box(node, slot, t_max) } else { rays };
-                    prefetch::<S>(tree, node.children[slot]);
+                    tree.prefetch::<S>(node.children[slot]);
                     if let Some(entry) = stack.get_mut(height) {
                         *entry = Entry { child: node.children[slot], rays, near };
                         height += usize::from(rays != 0);
@@ -102,16 +117,8 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
                 }
                 continue;
             }
-            let mut found = 0;
-            for block in tree.blocks().get(Child::leaf_blocks(child)).unwrap_or(&[]) {
-                let candidates = self.candidates::<S>(block, left);
-                found |= match (ANY, rays.count_ones() < candidates.count_ones()) {
-                    (true, true) => self.occlude_each::<S>(block, rays & !found, &best.t),
-                    (true, false) => self.occlude(block, candidates, rays & !found, &best.t),
-                    (false, true) => self.hit_each::<S>(block, rays, best),
-                    (false, false) => self.hit(block, candidates, rays, best),
-                };
-            }
+            let rays = if T::IS_EXPENSIVE { rays & self.reaching(near, tree.t_max()) } else { rays };
+            let found = tree.visit_leaf::<S>(self, child, rays, left);
             all_found |= found;
             if ANY {
                 live &= !found;
@@ -119,7 +126,7 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
                     break;
                 }
             } else if found != 0 {
-                left = self.left(live, best);
+                left = self.left(live, tree.t_max());
             }
         }
         all_found
@@ -161,9 +168,15 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
         enter.le(leave).bits()
     }
 
+    /// The rays that go as far as this fraction of their lengths.
+    #[inline(always)]
+    fn reaching(&self, near: f32, t_max: &[f32; N]) -> u32 {
+        L::splat(near).le(L::load(t_max) * self.inverse_lengths).bits()
+    }
+
     /// The triangles of a block whose boxes the shaft meets.
     #[inline(always)]
-    fn candidates<S: Simd>(&self, block: &TriangleBlock, left: f32) -> u32 {
+    pub(super) fn candidates<S: Simd>(&self, block: &TriangleBlock, left: f32) -> u32 {
         let (enter, leave) =
             self.meet::<S>([extent::<S>(block, 0), extent::<S>(block, 1), extent::<S>(block, 2)], left);
         enter.le(leave).bits()

@@ -5,6 +5,7 @@
 //! packet would straddle two or three classes, and be split; sorted, packets are full, and as their rays start at one
 //! point they need not spread much to share a shaft.
 
+use super::{TracePacket, Width};
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, HitPacket, Ray, RayPacket};
 use crate::simd::{Lanes, Simd};
@@ -15,65 +16,111 @@ const CHUNK: usize = 256;
 const KEYS: usize = 3 * 8 * CELLS as usize;
 const CELLS: u16 = 16;
 
-/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
+/// Traces the packets of a gather.
+pub(crate) trait Gather {
+    /// A ray, and what else is known of it.
+    type Ray: Copy;
+
+    /// The ray alone.
+    fn ray(ray: &Self::Ray) -> &Ray;
+
+    /// Traces up to `N` rays, one at least, which are alike, and whose indices in the batch are given.
+    fn trace<const N: usize, S: Simd, L: Lanes<N>>(&mut self, rays: &[Self::Ray], indices: &[usize])
+    where
+        Width<N>: TracePacket<N>;
+}
+
+/// Has `gather` trace rays in packets of rays that are alike, in any order.
 #[inline(always)]
-pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
-    tree: &BvhView,
-    rays: &[Ray],
-    mut write: impl FnMut(usize, Hit),
-) {
+pub(crate) fn in_packets<S: Simd, G: Gather>(gather: &mut G, rays: &[G::Ray]) {
     for (chunk, rays) in rays.chunks(CHUNK).enumerate() {
-        let mut write = |index: u8, hit: Hit| write(chunk * CHUNK + usize::from(index), hit);
-        let (keys, order) = sorted(rays);
+        let (keys, order) = sorted(rays.iter().map(G::ray));
         let class = |index: u8| keys[usize::from(index)] / CELLS;
         let order = &order[..rays.len().min(CHUNK)];
         for alike in order.chunk_by(|&a, &b| class(a) == class(b)) {
             let (sixteens, rest) = alike.as_chunks::<16>();
             for indices in sixteens {
-                together::<ANY, 16, S, S::F16>(tree, rays, indices, &mut write);
+                together::<16, S, S::F16, G>(gather, chunk, rays, indices);
             }
             if rest.len() > 8 {
-                together::<ANY, 16, S, S::F16>(tree, rays, rest, &mut write);
+                together::<16, S, S::F16, G>(gather, chunk, rays, rest);
             } else if !rest.is_empty() {
-                together::<ANY, 8, S, S::F8>(tree, rays, rest, &mut write);
+                together::<8, S, S::F8, G>(gather, chunk, rays, rest);
             }
         }
     }
 }
 
-/// Traces up to `N` of `rays` in a packet.
+/// Traces up to `N` of the rays of a chunk in a packet.
 #[inline(always)]
-fn together<const ANY: bool, const N: usize, S: Simd, L: Lanes<N>>(
-    tree: &BvhView,
-    rays: &[Ray],
-    indices: &[u8],
-    write: &mut impl FnMut(u8, Hit),
-) {
-    let mut sorted = [rays[0]; N];
-    for (ray, &index) in sorted.iter_mut().zip(indices) {
-        *ray = rays[usize::from(index) % rays.len()];
+fn together<const N: usize, S: Simd, L: Lanes<N>, G: Gather>(
+    gather: &mut G,
+    chunk: usize,
+    rays: &[G::Ray],
+    numbers: &[u8],
+) where
+    Width<N>: TracePacket<N>,
+{
+    let (mut sorted, mut indices) = ([rays[0]; N], [0; N]);
+    for ((ray, index), &number) in sorted.iter_mut().zip(&mut indices).zip(numbers) {
+        *ray = rays[usize::from(number) % rays.len()];
+        *index = chunk * CHUNK + usize::from(number);
     }
-    let mut hits = HitPacket::MISS;
-    let packet = RayPacket::from_rays(&sorted[..indices.len().min(N)]);
-    let found = super::trace::<ANY, N, S, L>(tree, &packet, &mut hits);
-    for (lane, &index) in indices.iter().enumerate().take(N) {
-        write(index, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
+    let count = numbers.len().min(N);
+    gather.trace::<N, S, L>(&sorted[..count], &indices[..count]);
+}
+
+/// The rays of a gather through a tree. Gives `write` the index of each and its nearest hit, or with `ANY` one that
+/// stands for any.
+struct Through<'a, const ANY: bool, F> {
+    tree: &'a BvhView<'a>,
+    write: F,
+}
+
+impl<const ANY: bool, F: FnMut(usize, Hit)> Gather for Through<'_, ANY, F> {
+    type Ray = Ray;
+
+    #[inline(always)]
+    fn ray(ray: &Ray) -> &Ray {
+        ray
+    }
+
+    #[inline(always)]
+    fn trace<const N: usize, S: Simd, L: Lanes<N>>(&mut self, rays: &[Ray], indices: &[usize]) {
+        let mut hits = HitPacket::MISS;
+        let found = super::trace::<ANY, N, S, L>(self.tree, &RayPacket::from_rays(rays), &mut hits);
+        for (lane, &index) in indices.iter().enumerate().take(N) {
+            (self.write)(index, if ANY { Hit::any_if(found >> lane & 1 != 0) } else { hits.hit(lane) });
+        }
     }
 }
 
-/// The numbers of up to 256 rays in the order of their keys, and of equal ones in their own.
+/// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
-fn sorted(rays: &[Ray]) -> ([u16; CHUNK], [u8; CHUNK]) {
+pub(in crate::traverse) fn trace<const ANY: bool, S: Simd>(
+    tree: &BvhView,
+    rays: &[Ray],
+    write: impl FnMut(usize, Hit),
+) {
+    in_packets::<S, _>(&mut Through::<ANY, _> { tree, write }, rays);
+}
+
+/// The keys of up to 256 rays, and their numbers in the order of their keys, of equal ones in their own. Not inlined, so
+/// that the memory for counting is free while the rays are traced.
+#[inline(never)]
+fn sorted<'r>(rays: impl Iterator<Item = &'r Ray>) -> ([u16; CHUNK], [u8; CHUNK]) {
     let (mut keys, mut ends) = ([0u16; CHUNK], [0u16; KEYS + 1]);
+    let mut count = 0;
     for (key, ray) in keys.iter_mut().zip(rays) {
         *key = key_of(ray);
         ends[usize::from(*key) + 1] += 1;
+        count += 1;
     }
     for key in 0..KEYS {
         ends[key + 1] += ends[key];
     }
     let mut order = [0; CHUNK];
-    for (index, &key) in (0..=u8::MAX).zip(&keys).take(rays.len()) {
+    for (index, &key) in (0..=u8::MAX).zip(&keys).take(count) {
         let place = &mut ends[usize::from(key)];
         order[usize::from(*place) % CHUNK] = index;
         *place += 1;

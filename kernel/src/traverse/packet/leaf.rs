@@ -1,28 +1,85 @@
-//! The leaf test of a packet: the rays of a [`CoherentPacket`] against the triangles of a block: each triangle against
+//! The tree of triangles that a packet goes through, and its leaf test: the rays of a [`CoherentPacket`] against the triangles of a block: each triangle against
 //! all rays or, if rays are fewer, each ray against all triangles.
 
-use super::coherent::CoherentPacket;
-use crate::bvh::{TriangleBlock, WIDTH};
+use super::coherent::{CoherentPacket, PacketTree};
+use crate::bvh::{BvhView, Child, Node, TriangleBlock, WIDTH};
 use crate::geometry::HitPacket;
+use crate::geometry::setup::Axis;
 use crate::geometry::triangle::{self, LineLanes};
 use crate::simd::{Lanes, Mask, Simd, lanes_of};
 use crate::traverse::collector::ClosestHit;
 use crate::traverse::leaf_test::{corners, intersect_block};
+use crate::traverse::node_test::prefetch;
 
-impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
+/// The triangles of a tree, and the best hits of the rays of one class of directions. With `ANY` one hit of a ray is as
+/// good as another, and none is written.
+pub(super) struct Triangles<'a, const ANY: bool, const N: usize, L> {
+    tree: &'a BvhView<'a>,
+    best: &'a mut HitPacket<N>,
+    lines: LineLanes<L>,
+    /// The same numbers, for when few rays are left.
+    line: LineLanes<[f32; N]>,
+}
+
+impl<const ANY: bool, const N: usize, L: Lanes<N>> PacketTree<N, L> for Triangles<'_, ANY, N, L> {
+    const IS_EXPENSIVE: bool = false;
+
+    #[inline(always)]
+    fn node<'n, S: Simd>(&'n self, index: u32, _room: &'n mut Node) -> Option<&'n Node> {
+        self.tree.nodes().get(index as usize)
+    }
+
+    #[inline(always)]
+    fn prefetch<S: Simd>(&self, child: u32) {
+        prefetch::<S>(self.tree, child);
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> &[f32; N] {
+        &self.best.t
+    }
+
+    #[inline(always)]
+    fn visit_leaf<S: Simd>(&mut self, packet: &CoherentPacket<N, L>, leaf: u32, rays: u32, left: f32) -> u32 {
+        let mut found = 0;
+        for block in self.tree.blocks().get(Child::leaf_blocks(leaf)).unwrap_or(&[]) {
+            let candidates = packet.candidates::<S>(block, left);
+            found |= match (ANY, rays.count_ones() < candidates.count_ones()) {
+                (true, true) => self.occlude_each::<S>(packet, block, rays & !found),
+                (true, false) => self.occlude(packet, block, candidates, rays & !found),
+                (false, true) => self.hit_each::<S>(packet, block, rays),
+                (false, false) => self.hit(packet, block, candidates, rays),
+            };
+        }
+        found
+    }
+}
+
+impl<'a, const ANY: bool, const N: usize, L: Lanes<N>> Triangles<'a, ANY, N, L> {
+    #[inline(always)]
+    pub(super) fn new(tree: &'a BvhView<'a>, best: &'a mut HitPacket<N>, lines: LineLanes<L>) -> Self {
+        let ([a, b, c], [d, e, f], [g, h]) = (lines.origin, lines.inverse, lines.shear);
+        let line = LineLanes {
+            origin: [a.store(), b.store(), c.store()],
+            inverse: [d.store(), e.store(), f.store()],
+            shear: [g.store(), h.store()],
+        };
+        Self { tree, best, lines, line }
+    }
+
     /// Tests triangles of a block in turn against all of `rays`. Gives those that found a better hit.
     #[inline(always)]
-    pub(super) fn hit(&self, block: &TriangleBlock, candidates: u32, rays: u32, best: &mut HitPacket<N>) -> u32 {
-        let mut found = 0;
+    fn hit(&mut self, packet: &CoherentPacket<N, L>, block: &TriangleBlock, candidates: u32, rays: u32) -> u32 {
+        let (mut found, best, axes) = (0, &mut *self.best, packet.class.axes);
         for triangle in lanes_of(candidates) {
             let triangle = triangle % WIDTH;
             let corners =
-                [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
+                [corner(block, 0, axes, triangle), corner(block, 1, axes, triangle), corner(block, 2, axes, triangle)];
             let Some(crossing) = triangle::cross(&self.lines, corners) else {
                 continue;
             };
             let (t_max, prim_id) = (L::load(&best.t), block.prim_id[triangle]);
-            let within = self.t_min.le(crossing.t).bits() & crossing.bits & rays;
+            let within = packet.t_min.le(crossing.t).bits() & crossing.bits & rays;
             let ties = crossing.t.eq(t_max).bits() & within;
             let mut closer = crossing.t.lt(t_max).bits() & within;
             if ties != 0 {
@@ -41,13 +98,13 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
 
     /// Tests triangles of a block in turn against all of `rays`, for any hit. Gives those that found one.
     #[inline(always)]
-    pub(super) fn occlude(&self, block: &TriangleBlock, candidates: u32, rays: u32, t_max: &[f32; N]) -> u32 {
-        let (mut found, t_max) = (0, L::load(t_max));
+    fn occlude(&self, packet: &CoherentPacket<N, L>, block: &TriangleBlock, candidates: u32, rays: u32) -> u32 {
+        let (mut found, t_max, axes) = (0, L::load(&self.best.t), packet.class.axes);
         for triangle in lanes_of(candidates) {
             let triangle = triangle % WIDTH;
             let corners =
-                [self.corner(block, 0, triangle), self.corner(block, 1, triangle), self.corner(block, 2, triangle)];
-            found |= triangle::occludes(&self.lines, corners, [self.t_min, t_max]);
+                [corner(block, 0, axes, triangle), corner(block, 1, axes, triangle), corner(block, 2, axes, triangle)];
+            found |= triangle::occludes(&self.lines, corners, [packet.t_min, t_max]);
             if rays & !found == 0 {
                 break;
             }
@@ -57,17 +114,17 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
 
     /// Tests `rays` in turn against all triangles of a block. Gives those that found a better hit.
     #[inline(always)]
-    pub(super) fn hit_each<S: Simd>(&self, block: &TriangleBlock, rays: u32, best: &mut HitPacket<N>) -> u32 {
-        let (t_min, mut found) = (self.t_min.store(), 0);
+    fn hit_each<S: Simd>(&mut self, packet: &CoherentPacket<N, L>, block: &TriangleBlock, rays: u32) -> u32 {
+        let (t_min, mut found) = (packet.t_min.store(), 0);
         for lane in lanes_of(rays) {
             let lane = lane % N;
-            let before = best.hit(lane);
+            let before = self.best.hit(lane);
             let mut nearest = ClosestHit { best: before };
             let ray = self.line_of::<S>(lane);
             // This collector never ends the search.
-            let _ = intersect_block(block, &ray, self.class.axes, t_min[lane], &mut nearest);
+            let _ = intersect_block(block, &ray, packet.class.axes, t_min[lane], &mut nearest);
             if nearest.best.precedes(&before) {
-                best.set(lane, nearest.best);
+                self.best.set(lane, nearest.best);
                 found |= 1 << lane;
             }
         }
@@ -76,12 +133,12 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
 
     /// Tests `rays` in turn against all triangles of a block, for any hit. Gives those that found one.
     #[inline(always)]
-    pub(super) fn occlude_each<S: Simd>(&self, block: &TriangleBlock, rays: u32, t_max: &[f32; N]) -> u32 {
-        let (t_min, mut found) = (self.t_min.store(), 0);
+    fn occlude_each<S: Simd>(&self, packet: &CoherentPacket<N, L>, block: &TriangleBlock, rays: u32) -> u32 {
+        let (t_min, mut found) = (packet.t_min.store(), 0);
         for lane in lanes_of(rays) {
             let lane = lane % N;
-            let interval = [S::F8::splat(t_min[lane]), S::F8::splat(t_max[lane])];
-            if triangle::occludes(&self.line_of::<S>(lane), corners(block, self.class.axes), interval) != 0 {
+            let interval = [S::F8::splat(t_min[lane]), S::F8::splat(self.best.t[lane])];
+            if triangle::occludes(&self.line_of::<S>(lane), corners(block, packet.class.axes), interval) != 0 {
                 found |= 1 << lane;
             }
         }
@@ -105,14 +162,18 @@ impl<const N: usize, L: Lanes<N>> CoherentPacket<N, L> {
             shear: [S::F8::splat(line.shear[0][lane]), S::F8::splat(line.shear[1][lane])],
         }
     }
+}
 
-    /// A corner of one triangle, in the order of the class's axes.
-    #[inline(always)]
-    fn corner(&self, block: &TriangleBlock, corner: usize, triangle: usize) -> [L; 3] {
-        let [x, y, z] = self.class.axes.map(|axis| axis as usize);
-        let axes = &block.corners[corner];
-        [L::splat(axes[x][triangle]), L::splat(axes[y][triangle]), L::splat(axes[z][triangle])]
-    }
+/// A corner of one triangle in all lanes, in the order of `axes`.
+#[inline(always)]
+fn corner<const N: usize, L: Lanes<N>>(
+    block: &TriangleBlock,
+    corner: usize,
+    [x, y, z]: [Axis; 3],
+    triangle: usize,
+) -> [L; 3] {
+    let axes = &block.corners[corner];
+    [L::splat(axes[x as usize][triangle]), L::splat(axes[y as usize][triangle]), L::splat(axes[z as usize][triangle])]
 }
 
 /// Those of `lanes` whose triangle comes after `prim_id`.
