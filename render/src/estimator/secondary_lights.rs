@@ -10,12 +10,12 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
-use super::light_warp::light_warp;
 use crate::light::{ChosenPart, Receiver};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World, interpolate};
 
 /// A ray to a point of a secondary light.
+#[derive(Clone, Copy)]
 pub(crate) struct AimedRay {
     /// A ray with a unit direction and no end.
     pub ray: Ray,
@@ -26,11 +26,10 @@ pub(crate) struct AimedRay {
 
 /// Samples a secondary light from a surface, by numbers in [0, 1): one for the light, and one for the point, with the
 /// remainder of the first. `None` if that does not pay.
+#[inline(always)]
 pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice, v): (f64, f32)) -> Option<AimedRay> {
     let ChosenPart { part, probability, rest } = world.lights.lit.choose(receiver, choice)?;
-    let warp = light_warp(receiver, part.corners(), LightSampling::Mis);
-    let place = warp.map(Vec2::new(rest as f32, v));
-    let point = TriangleWarp.map(place);
+    let point = TriangleWarp.map(Vec2::new(rest as f32, v));
     let end = interpolate(*part.corners(), [1.0 - point.x - point.y, point.x, point.y]);
     let way = end - surface.position;
     let squared = way.length_squared();
@@ -39,7 +38,7 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
     if !part.may_reach(-direction, squared.sqrt()) {
         return None;
     }
-    let inv_density = part.light.area * cosine / squared * warp.per_density(place) / probability;
+    let inv_density = part.light.area * cosine / (squared * probability);
     let is_any = inv_density > 0.0 && inv_density.is_finite();
     // From where it leaves, beside the surface: otherwise it might pass a small triangle far away.
     let origin = surface.origin_towards(direction);
@@ -48,16 +47,15 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
 
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
 /// something.
+#[inline(always)]
 pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: &Hit) -> f32 {
     let Some(at) = world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)) else { return 0.0 };
     let probability = world.lights.lit.probability(&at, receiver);
     if probability == 0.0 || !at.part.may_reach(-ray.direction, hit.t) {
         return 0.0;
     }
-    let place = TriangleWarp.inverse(at.place);
-    let on_triangle = light_warp(receiver, at.part.corners(), LightSampling::Mis).density(place);
     let cosine = at.part.light.normal.dot(ray.direction).abs();
-    probability * on_triangle * hit.t * hit.t / (at.part.light.area * cosine)
+    probability * hit.t * hit.t / (at.part.light.area * cosine)
 }
 
 /// The factor on the throughput of such a path: `scattered` is `f cos θ`, and `bounce` the density of the surface's own

@@ -79,8 +79,6 @@ pub(crate) struct ChosenPart<'a> {
 pub(crate) struct PartAt<'a> {
     pub part: &'a LitPart,
     index: u32,
-    /// The barycentric coordinates of the point within it.
-    pub place: Vec2,
 }
 
 impl SecondaryLights {
@@ -127,13 +125,13 @@ impl SecondaryLights {
     }
 
     /// The secondary light at a point of triangle `prim_id` with these barycentric coordinates.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn at(&self, prim_id: u32, place: Vec2) -> Option<PartAt<'_>> {
         let &number = self.divided.get(prim_id as usize).filter(|number| **number != NO_LIGHT)?;
         let (division, first) = self.divisions[number as usize];
-        let (cell, place) = division.locate(place);
+        let (cell, _) = division.locate(place);
         let index = self.cells[first + cell as usize];
-        self.parts.get(index as usize).map(|part| PartAt { part, index, place })
+        self.parts.get(index as usize).map(|part| PartAt { part, index })
     }
 
     /// All of them.
@@ -155,7 +153,7 @@ impl SecondaryLights {
     }
 
     /// Chooses one for a receiver by a number in [0, 1). `None` if none may send light there.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn choose(&self, receiver: &Receiver, u: f64) -> Option<ChosenPart<'_>> {
         let tree = self.tree.as_ref()?;
         let weights = tree.root_weights(receiver);
@@ -167,7 +165,7 @@ impl SecondaryLights {
     }
 
     /// The probability with which this one is chosen.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn probability(&self, at: &PartAt, receiver: &Receiver) -> f32 {
         let Some(tree) = &self.tree else { return 0.0 };
         let weight = tree.weight(at.index, receiver);
@@ -193,7 +191,7 @@ impl SecondaryLights {
 
 impl LitPart {
     /// Whether its light may come so far in this unit vector.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn may_reach(&self, direction: Vec3, distance: f32) -> bool {
         distance <= SLACK * self.reach.0[bin(direction)]
     }
@@ -204,7 +202,7 @@ impl LitPart {
     }
 
     /// Its corners in space.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn corners(&self) -> &Triangle {
         &self.light.corners
     }
@@ -223,7 +221,7 @@ impl Reach {
 }
 
 /// The bin of a unit vector.
-#[inline]
+#[inline(always)]
 fn bin(direction: Vec3) -> usize {
     let flat = direction / direction.abs().element_sum();
     let folded = (1.0 - flat.truncate().yx().abs()) * flat.truncate().signum();

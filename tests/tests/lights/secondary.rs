@@ -22,7 +22,7 @@ enum Bulb {
 }
 
 /// The sides of a box, which face inwards; outwards with the corners exchanged.
-pub fn hollow(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
+pub(crate) fn hollow(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
     let corners = [low.x, high.x].map(|x| [low.y, high.y].map(|y| [low.z, high.z].map(|z| Vec3::new(x, y, z))));
     let [[[a, b], [c, d]], [[e, f], [g, h]]] = corners;
     [[a, b, d, c], [e, g, h, f], [a, e, f, b], [c, d, h, g], [a, c, g, e], [b, f, h, d]].map(quad).concat()
@@ -93,7 +93,7 @@ fn compare(bulb: &Bulb, shade: Material, quieter: f64) {
     compare_in(&room(bulb, shade), quieter);
 }
 
-pub fn compare_in(scene: &Scene, quieter: f64) {
+pub(crate) fn compare_in(scene: &Scene, quieter: f64) {
     let (aimed, noise) = picture(scene, LightSampling::Mis, &Stop::Depth, 32);
     let (alone, noise_alone) = picture(scene, LightSampling::Direct, &Stop::Depth, 128);
     let z = aimed.z(&alone, 0.0);

@@ -2,14 +2,77 @@
 
 use glam::Vec2;
 use halfdome_kernel::sampling::unit_double;
+use halfdome_kernel::{Ray, Task};
 
 use super::Advance;
-use crate::estimator::{aim, aimed_weight};
+use crate::estimator::{AimedRay, aim, aimed_density, aimed_weight};
 use crate::integrator::path_block::{BlockClosures, LANES, PathBlock};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
+use crate::integrator::{RayBatch, Wavefront};
 use crate::settings::{LightSampling, Stop};
-use crate::world::WHITE;
+use crate::world::{Hit, WHITE, World};
+
+/// The aimed rays of a block's paths, as a task that is compiled for each instruction set.
+struct AimedRays<'a> {
+    world: &'a World,
+    batch: &'a RayBatch<'a>,
+    first_set: u32,
+    block: &'a PathBlock,
+    chances: &'a [f32; LANES],
+}
+
+impl Task for AimedRays<'_> {
+    type Output = [Option<AimedRay>; LANES];
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { world, batch, first_set, block, chances } = self;
+        let mut rays = [None; LANES];
+        for i in (0..block.len).filter(|&i| block.u_aim[i] < chances[i]) {
+            // What light samples and bounces have left of their sets.
+            let sampler = &batch.samplers[block.index(i)];
+            let [[.., a, b], [.., c, _]] = [0, 1].map(|set| sampler.uniform4(first_set + set));
+            let numbers = (unit_double(Vec2::new(a, b)), c);
+            rays[i] = aim(world, &block.surface(i, &WHITE), &block.receiver(i), numbers);
+        }
+        rays
+    }
+}
+
+/// Finds the paths of a block that have come to secondary lights, and weights what they find there, likewise.
+pub(super) struct FindLit<'a> {
+    pub world: &'a World,
+    pub wave: &'a Wavefront,
+    pub block: &'a mut PathBlock,
+}
+
+impl Task for FindLit<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { world, wave, block } = self;
+        for i in 0..block.len {
+            let source = block.source[i] as usize;
+            let (path, ray, hit) = (&wave.paths[source], &wave.rays[source], &wave.hits[source]);
+            if world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).is_some() {
+                block.set_lit(i, kept_beside_aimed(world, path, ray, hit));
+            }
+        }
+    }
+}
+
+/// The part of what a path finds from a secondary light on that is not left to those that were aimed there.
+#[inline(always)]
+fn kept_beside_aimed(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
+    if path.target != 0 || path.is_first() {
+        return 1.0;
+    }
+    let receiver = path.receiver(ray.origin);
+    let density = aimed_density(world, &receiver, ray, hit) * world.lights.lit.chance(&receiver);
+    LightSampling::Mis.bounce_weight(path.density, density)
+}
 
 impl Advance<'_, '_> {
     /// Whether paths aim at secondary lights, and weigh what they find there. A threshold would end the two paths to one
@@ -33,14 +96,12 @@ impl Advance<'_, '_> {
     /// Aims with a probability from each surface.
     #[inline(never)]
     fn aim_by<C: BlockClosures>(&mut self, closures: &C, block: &PathBlock, chances: &[f32; LANES]) {
-        let first_set = first_set(self.batch, self.depth);
-        for i in (0..block.len).filter(|&i| block.u_aim[i] < chances[i]) {
-            let (receiver, chance) = (block.receiver(i), chances[i]);
-            let index = block.index(i);
-            // What light samples and bounces have left of their sets.
-            let [[.., a, b], [.., c, _]] = [0, 1].map(|set| self.batch.samplers[index].uniform4(first_set + set));
-            let (surface, numbers) = (block.surface(i, &WHITE), (unit_double(Vec2::new(a, b)), c));
-            let Some(aimed) = aim(self.world, &surface, &receiver, numbers) else { continue };
+        let (world, batch, first_set) = (self.world, self.batch, first_set(self.batch, self.depth));
+        let rays = world.isa().run(AimedRays { world, batch, first_set, block, chances });
+        for (i, aimed) in rays.into_iter().enumerate() {
+            let Some(aimed) = aimed else { continue };
+            let (chance, index) = (chances[i], block.index(i));
+            let surface = block.surface(i, &WHITE);
             let (scattered, density) = closures.eval(i, &surface, aimed.ray.direction);
             let density = self.bounce_density(i, aimed.ray.direction, density);
             let throughput = block.throughput(i) * aimed_weight(scattered, aimed.inv_density / chance, density);

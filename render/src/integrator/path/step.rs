@@ -3,18 +3,18 @@
 use std::ops::Range;
 
 use glam::{Vec2, Vec3};
-use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
+use super::aim::FindLit;
 use super::{Advance, SKY};
-use crate::estimator::{ShadowRay, aimed_density, sample_light, sample_reflected};
+use crate::estimator::{ShadowRay, sample_light, sample_reflected};
 use crate::integrator::emission::{emission, sky};
 use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, clamp};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
 use crate::light::SampledLight;
-use crate::settings::{LightSampling, Stop};
-use crate::world::{Hit, WHITE};
+use crate::settings::Stop;
+use crate::world::WHITE;
 
 /// The importance of light that mirrors reflect to surfaces that the camera does not see: bounces spread its noise over
 /// many pixels.
@@ -93,19 +93,7 @@ impl Advance<'_, '_> {
         }
         closures.arrived(self.world.isa());
         if self.aims() {
-            self.find_lit(block);
-        }
-    }
-
-    /// Weights what paths find from secondary lights on.
-    #[inline(never)]
-    fn find_lit(&self, block: &mut PathBlock) {
-        for i in 0..block.len {
-            let source = block.source[i] as usize;
-            let hit = &self.wave.hits[source];
-            if self.world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).is_some() {
-                block.set_lit(i, self.kept_beside_aimed(&self.wave.paths[source], &self.wave.rays[source], hit));
-            }
+            self.world.isa().run(FindLit { world: self.world, wave: self.wave, block });
         }
     }
 
@@ -132,16 +120,6 @@ impl Advance<'_, '_> {
             self.record_emission(source, found);
             self.learn_found(source, found);
         }
-    }
-
-    /// The part of what a path finds from a secondary light on that is not left to those that were aimed there.
-    fn kept_beside_aimed(&self, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
-        if path.target != 0 || path.is_first() {
-            return 1.0;
-        }
-        let receiver = path.receiver(ray.origin);
-        let density = aimed_density(self.world, &receiver, ray, hit) * self.world.lights.lit.chance(&receiver);
-        LightSampling::Mis.bounce_weight(path.density, density)
     }
 
     /// Light that a path has found where it arrived; that was sampled at the surface before.

@@ -19,7 +19,7 @@ impl Division {
     }
 
     /// The cell of a point with the barycentric coordinates `(u, v)`, and its coordinates there.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn locate(self, place: Vec2) -> (u32, Vec2) {
         let scaled = (place * self.side as f32).max(Vec2::ZERO);
         let row = (scaled.y as u32).min(self.side - 1);
@@ -47,7 +47,7 @@ impl Division {
 }
 
 /// The point of a cell with these corners that has these coordinates there.
-#[inline]
+#[inline(always)]
 pub(crate) fn place_in(corners: &[Vec2; 3], coordinates: Vec2) -> Vec2 {
     let [a, b, c] = *corners;
     a + (b - a) * coordinates.x + (c - a) * coordinates.y

@@ -22,9 +22,9 @@ const BRIGHT: f32 = 1.0 / 16.0;
 /// From this multiple of the mean irradiance on, paths always aim: found by trial.
 const AIM_FROM: f32 = 4.0;
 /// If each path aimed at each surface, its time would be about 1 more than this.
-const AIMED_TIME: f32 = 1.5;
+const AIMED_TIME: f32 = 2.5;
 /// The greatest product of variance and time, relative to that without secondary lights.
-const MAX_PRODUCT: f32 = 0.9;
+const MAX_PRODUCT: f32 = 0.95;
 /// Candidates that are chosen for each point.
 const CHOICES: u32 = 32;
 /// A part that no point sees in so many tries is left out.

@@ -23,10 +23,12 @@ use crate::world::{Hit, World};
 /// The part of the total area from which on triangles are divided, if bounces find them lit.
 const SMALL: f64 = 1e-3;
 /// Parts of divided triangles, about, and the greatest number of cells along an edge.
-const DIVIDED_PARTS: f64 = 2048.0;
+const DIVIDED_PARTS: f64 = 512.0;
 const MAX_SIDE: f64 = 256.0;
 /// Triangles that cause a smaller share of the variance are not divided.
 const LEAST_SHARE: f64 = 0.01;
+/// The greatest number of small triangles that are looked at one by one.
+const MAX_CANDIDATES: usize = 1 << 16;
 /// Paths that estimate the indirect light of a triangle, at least.
 const INDIRECT_PATHS: usize = 32;
 /// The least variance of what bounces find of direct light, relative to the radiance where they come from. Below this
@@ -79,10 +81,12 @@ impl World {
         views.iter_mut().for_each(|view| view.radiance += mean);
         let least = LEAST * mean;
         let found = self.found(&views, &bounces, least);
-        let divisions = self.divisions(&found);
+        let smallest = SMALL * self.still_records().par_iter().map(|it| f64::from(area(&it.corners))).sum::<f64>();
+        let divisions = self.divisions(&found, smallest);
         let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division { side: 1 });
         let triangles = self.triangle_records.len();
-        let all = SecondaryLights::new(self.candidates(&found, &divisions, least), division, triangles);
+        let small = self.small_candidates(&found, smallest, least);
+        let all = SecondaryLights::new(self.candidates(&found, small, &divisions, least), division, triangles);
         let rest = bounces.iter().map(|it| (it.radiance().min(least) / views[it.view].radiance).powi(2)).sum::<f32>();
         let AimPlan { parts, worth } = self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
         let rays = (REACH_RAYS / parts.len() as u32).clamp(LEAST_REACH_RAYS, MOST_REACH_RAYS);
@@ -119,10 +123,9 @@ impl World {
         hits.into_iter().map(triangle).filter(|(_, found)| found.lit > 0.0).collect()
     }
 
-    /// How triangles are divided that are not small: those where bounces find so much reflected light. The number of
-    /// cells follows from the part of the variance of bounces that the triangle causes, and the part of it that is lit.
-    fn divisions(&self, found: &BTreeMap<u32, Found>) -> BTreeMap<u32, Division> {
-        let smallest = self.smallest_divided();
+    /// How triangles are divided from this area on: those where bounces find so much reflected light. The number of cells
+    /// follows from the part of the variance of bounces that the triangle causes, and the part of it that is lit.
+    fn divisions(&self, found: &BTreeMap<u32, Found>, smallest: f64) -> BTreeMap<u32, Division> {
         let all: f64 = found.values().map(|triangle| triangle.squares).sum();
         let is_divided = |prim: u32, triangle: &Found| {
             let record = self.still_records().get(prim as usize);
@@ -137,30 +140,33 @@ impl World {
         divided.map(|(&prim, triangle)| (prim, division(triangle))).collect()
     }
 
-    /// The area from which on triangles are divided.
-    fn smallest_divided(&self) -> f64 {
-        SMALL * self.still_records().iter().map(|record| f64::from(area(&record.corners))).sum::<f64>()
+    /// Smaller triangles of meshes of which bounces have found some lit, or that lamps close by may light so strongly. Of
+    /// very many only those that bounces have found.
+    fn small_candidates(&self, found: &BTreeMap<u32, Found>, smallest: f64, least: f32) -> Vec<u32> {
+        let records = self.still_records();
+        let lit_meshes: BTreeSet<u32> = found.keys().map(|&prim| self.triangle_records[prim as usize].mesh).collect();
+        let may_be_lit = |&prim: &u32| {
+            let record = &records[prim as usize];
+            let area = area(&record.corners);
+            let is_small = area > 0.0 && f64::from(area) < smallest;
+            is_small && (lit_meshes.contains(&record.mesh) || self.may_be_lit_by_lamps(prim, least))
+        };
+        let mut small: Vec<u32> = (0..records.len() as u32).into_par_iter().filter(may_be_lit).collect();
+        if small.len() > MAX_CANDIDATES {
+            small.retain(|prim| found.contains_key(prim));
+        }
+        small
     }
 
-    /// Parts of triangles that scatter at least so much: cells of divided triangles, and small triangles of meshes of
-    /// which bounces have found some lit, or that lamps close by may light so strongly.
+    /// Parts of triangles that scatter at least so much.
     fn candidates(
         &self,
         found: &BTreeMap<u32, Found>,
+        small: Vec<u32>,
         divisions: &BTreeMap<u32, Division>,
         least: f32,
     ) -> Vec<LitPart> {
-        let records = self.still_records();
-        let smallest = self.smallest_divided();
-        let lit_meshes: BTreeSet<u32> = found.keys().map(|&prim| self.triangle_records[prim as usize].mesh).collect();
-        let small = (0..records.len() as u32).into_par_iter().filter(|&prim| {
-            let record = &records[prim as usize];
-            let area = area(&record.corners);
-            area > 0.0
-                && f64::from(area) < smallest
-                && (lit_meshes.contains(&record.mesh) || self.may_be_lit_by_lamps(prim, least))
-        });
-        let small = small.map(|prim| (prim, Division { side: 1 }));
+        let small = small.into_par_iter().map(|prim| (prim, Division { side: 1 }));
         let cells = small
             .chain(divisions.par_iter().map(|(&prim, &division)| (prim, division)))
             .flat_map_iter(|(prim, division)| division.corners().map(move |places| (prim, places)));
