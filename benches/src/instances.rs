@@ -2,12 +2,13 @@
 
 use glam::{Affine3A, Quat, Vec3};
 use halfdome_kernel::sampling::Stream;
-use halfdome_kernel::scene::{Item, SceneHit, SceneRay};
+use halfdome_kernel::scene::{Item, SceneHit, SceneHitPacket, SceneRay, SceneRayPacket};
+use halfdome_kernel::traverse::{PacketWidth, Width};
 use halfdome_kernel::{BuildOptions, Bvh, Error, Hit, Quality, Ray, Scene, SceneView, Triangle};
 
 use crate::rays::{self, RayCounts, RaySet};
 use crate::scenes::Camera;
-use crate::tracer::Tracer;
+use crate::tracer::{Entry, Tracer};
 
 /// Distance between neighbours, of blobs with a radius of about 1.
 const SPACING: f32 = 2.6;
@@ -57,37 +58,77 @@ pub fn rays(scene: &SceneView, triangles: &[Triangle], counts: RayCounts) -> [Ra
     rays::generate_from(&camera, light, 10.0 * SPACING, counts, trace)
 }
 
-/// Traces a scene's batches, or with `ONE` one ray a call. Hits lose their geometry.
-pub struct SceneTracer<'a, const ONE: bool>(pub SceneView<'a>);
+/// Traces a scene's rays by one of the entry points. Hits lose their geometry.
+pub struct SceneTracer<'a>(pub SceneView<'a>, pub Entry);
 
 /// Rays that are brought into the scene's form together.
 const CHUNK: usize = 4096;
 
-impl<const ONE: bool> Tracer for SceneTracer<'_, ONE> {
+impl SceneTracer<'_> {
+    fn intersect_packets<const N: usize>(&self, rays: &[SceneRay], hits: &mut [SceneHit])
+    where
+        Width<N>: PacketWidth<N>,
+    {
+        for (rays, hits) in rays.chunks(N).zip(hits.chunks_mut(N)) {
+            let mut packet = SceneHitPacket::<N>::MISS;
+            self.0.intersect_packet(&SceneRayPacket::from_rays(rays), &mut packet);
+            for (lane, hit) in hits.iter_mut().enumerate() {
+                *hit = packet.hit(lane);
+            }
+        }
+    }
+
+    fn occluded_packets<const N: usize>(&self, rays: &[SceneRay], occluded: &mut [bool])
+    where
+        Width<N>: PacketWidth<N>,
+    {
+        for (rays, occluded) in rays.chunks(N).zip(occluded.chunks_mut(N)) {
+            let bits = self.0.occluded_packet(&SceneRayPacket::<N>::from_rays(rays));
+            for (lane, occluded) in occluded.iter_mut().enumerate() {
+                *occluded = bits >> lane & 1 == 1;
+            }
+        }
+    }
+}
+
+impl Tracer for SceneTracer<'_> {
     fn intersect(&self, rays: &[Ray], hits: &mut [Hit]) {
         let mut found = vec![SceneHit::MISS; CHUNK.min(rays.len())];
         for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
             let rays: Vec<SceneRay> = rays.iter().map(|&ray| ray.into()).collect();
-            if ONE {
-                for (ray, hit) in rays.iter().zip(&mut found) {
-                    *hit = self.0.intersect(ray).unwrap_or(SceneHit::MISS);
+            let found = &mut found[..rays.len()];
+            match self.1 {
+                Entry::Single => {
+                    for (ray, hit) in rays.iter().zip(&mut *found) {
+                        *hit = self.0.intersect(ray).unwrap_or(SceneHit::MISS);
+                    }
                 }
-            } else {
-                self.0.intersect_many(&rays, &mut found);
+                Entry::Packet4 => self.intersect_packets::<4>(&rays, found),
+                Entry::Packet8 => self.intersect_packets::<8>(&rays, found),
+                Entry::Packet16 => self.intersect_packets::<16>(&rays, found),
+                Entry::Packet32 => self.intersect_packets::<32>(&rays, found),
+                Entry::Batch => self.0.intersect_many(&rays, found),
+                Entry::Gather => self.0.intersect_gather(&rays, found),
             }
-            hits.iter_mut().zip(&found).for_each(|(hit, found)| *hit = found.hit);
+            hits.iter_mut().zip(found).for_each(|(hit, found)| *hit = found.hit);
         }
     }
 
     fn occluded(&self, rays: &[Ray], occluded: &mut [bool]) {
         for (rays, occluded) in rays.chunks(CHUNK).zip(occluded.chunks_mut(CHUNK)) {
             let rays: Vec<SceneRay> = rays.iter().map(|&ray| ray.into()).collect();
-            if ONE {
-                for (ray, occluded) in rays.iter().zip(occluded) {
-                    *occluded = self.0.occluded(ray);
+            match self.1 {
+                Entry::Single => {
+                    for (ray, occluded) in rays.iter().zip(occluded) {
+                        *occluded = self.0.occluded(ray);
+                    }
                 }
-            } else {
-                self.0.occluded_many(&rays, occluded);
+                Entry::Packet4 => self.occluded_packets::<4>(&rays, occluded),
+                Entry::Packet8 => self.occluded_packets::<8>(&rays, occluded),
+                Entry::Packet16 => self.occluded_packets::<16>(&rays, occluded),
+                Entry::Packet32 => self.occluded_packets::<32>(&rays, occluded),
+                Entry::Batch => self.0.occluded_many(&rays, occluded),
+                Entry::Gather => self.0.occluded_gather(&rays, occluded),
             }
         }
     }
@@ -100,14 +141,17 @@ mod tests {
     use crate::scenes;
 
     #[test]
-    fn one_ray_a_call_finds_what_batches_do() {
+    fn all_entry_points_find_the_same() {
         let blob = scenes::blob(20);
         let (mesh, _) = Bvh::build(&blob, &Quality::Fast.into()).unwrap();
         let scene = scene(&mesh, &places(50, 3), Quality::Fast).unwrap();
         assert_ne!(places(50, 3), places(50, 4));
         for set in rays(&scene.view(), &blob, RayCounts::TINY) {
-            let one = Answers::of(&SceneTracer::<true>(scene.view()), &set);
-            assert_eq!(one, Answers::of(&SceneTracer::<false>(scene.view()), &set), "{}", set.kind.name());
+            let one = Answers::of(&SceneTracer(scene.view(), Entry::Single), &set);
+            for entry in Entry::ALL {
+                let found = Answers::of(&SceneTracer(scene.view(), entry), &set);
+                assert_eq!(found, one, "{}, {}", set.kind.name(), entry.name());
+            }
             assert!(one.hits() > 10, "{}: {}", set.kind.name(), one.hits());
         }
     }

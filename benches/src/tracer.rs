@@ -22,7 +22,7 @@ impl<T: Tracer + ?Sized> Tracer for &T {
     }
 }
 
-/// An entry point of the kernel.
+/// An entry point of the kernel; scenes have the same.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Entry {
     /// `intersect` and `occluded`.

@@ -7,3 +7,5 @@ pub mod polygon_light;
 pub mod program;
 pub mod random;
 pub mod render;
+pub mod scenes;
+pub mod ways;

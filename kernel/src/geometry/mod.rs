@@ -40,6 +40,7 @@ pub mod round;
 pub(crate) mod setup;
 pub(crate) mod setup_lanes;
 pub(crate) mod setup_rows;
+pub(crate) mod shaft;
 mod side;
 pub(crate) mod triangle;
 

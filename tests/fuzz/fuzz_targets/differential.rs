@@ -1,12 +1,12 @@
-//! Rays of any bits through scenes that are fixed, by all ways to trace and on all instruction sets, against the scalar
-//! loop over all triangles.
+//! Rays of any bits through trees that are fixed and scenes of their instances, by all ways to trace and on all
+//! instruction sets, against the scalar loop over all triangles.
 #![no_main]
 
 use std::sync::LazyLock;
 
 use glam::{Vec3, vec3};
 use halfdome_fuzz::Bytes;
-use halfdome_fuzz::check::check_tree;
+use halfdome_fuzz::check::{check_scenes, check_tree};
 use halfdome_kernel::traverse::reference;
 use halfdome_kernel::{Bvh, Quality, Triangle};
 use libfuzzer_sys::fuzz_target;
@@ -46,4 +46,5 @@ fuzz_target!(|data: &[u8]| {
     let rays = bytes.rays(triangles, 12);
     let expected: Vec<_> = rays.iter().map(|ray| reference::intersect_all(triangles, ray)).collect();
     check_tree(&bvh.view(), &rays, &expected);
+    check_scenes(&bvh.view(), data.len(), &rays);
 });

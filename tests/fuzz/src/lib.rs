@@ -3,6 +3,10 @@
 
 #[path = "../../src/check.rs"]
 pub mod check;
+#[path = "../../src/scenes.rs"]
+pub mod scenes;
+#[path = "../../src/ways.rs"]
+pub mod ways;
 
 use glam::Vec3;
 use halfdome_kernel::{Ray, Sphere, Triangle};

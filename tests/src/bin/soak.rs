@@ -1,4 +1,5 @@
-//! Random rays through small scenes, by all ways to trace in turn, against the scalar loop over all triangles:
+//! Random rays through small trees and scenes of their instances, by all ways to trace in turn, against the scalar loop
+//! over all triangles:
 //!
 //!     cargo run --release -p halfdome-tests --bin soak -- RAYS [THREADS]
 //!
@@ -13,9 +14,11 @@ use std::time::Instant;
 
 use glam::{DVec3, Vec3};
 use halfdome_kernel::traverse::{PacketWidth, Width, reference};
-use halfdome_kernel::{Bvh, BvhView, Hit, HitPacket, Isa, Quality, Ray, RayPacket, Triangle};
-use halfdome_tests::check::{bits, isas};
+use halfdome_kernel::{Bvh, Hit, Isa, Quality, Ray, Triangle};
+use halfdome_tests::check::isas;
 use halfdome_tests::random::Pcg;
+use halfdome_tests::scenes::{KINDS, scene_rays, with_scene};
+use halfdome_tests::ways::{Ways, same};
 
 /// Rays that are traced together.
 const BATCH: usize = 128;
@@ -23,6 +26,10 @@ const BATCH: usize = 128;
 const BATCHES: usize = 32;
 /// Rays in a scene.
 const RAYS: u64 = (BATCH * BATCHES) as u64;
+/// Every so many batches go through a scene of instances too: its loops are slow.
+const SCENE_EVERY: usize = 4;
+/// Rays in a scene that get others beside them.
+const BUNDLES: usize = 4;
 /// Differences that are printed.
 const SHOWN: u64 = 20;
 
@@ -84,58 +91,70 @@ fn soak(seed: u64, isas: &[Isa], differences: &AtomicU64) -> u64 {
         // Every method on every instruction set comes round; the scalar reference, which is slow, once.
         let (scalar, others) = isas.split_first().expect("scalar code runs everywhere");
         let isa = if batch == 0 { *scalar } else { others[batch % others.len()] };
-        let (hits, occluded) = trace(&bvh.view().with_isa(isa), &rays, batch / others.len());
-        for (i, expected) in expected.into_iter().enumerate() {
-            if bits(hits[i]) == bits(expected) && occluded[i] == expected.is_some() {
-                continue;
-            }
+        let method = batch / others.len() + seed as usize;
+        let mut tell = |what: &str| {
             if differences.fetch_add(1, Ordering::Relaxed) < SHOWN {
-                println!(
-                    "scene {seed}, batch {batch}, ray {i}, {}: {:?} {:?} instead of {expected:?}",
-                    isa.level(),
-                    hits[i],
-                    occluded[i]
-                );
+                println!("scene {seed}, batch {batch}, {}: {what}", isa.level());
             }
+        };
+        compare(&bvh.view().with_isa(isa), &rays, &expected, method, &mut tell);
+        if batch % SCENE_EVERY == 1 {
+            with_scene(&bvh.view(), random.below(KINDS), |scene| {
+                let rays = scene_rays(&rays[..BATCH / 2], BUNDLES, [0.3, [0.3, 0.8][random.below(2)]]);
+                let loops = scene.with_isa(*scalar);
+                let expected: Vec<_> = rays.iter().map(|ray| loops.intersect(ray)).collect();
+                compare(&scene.with_isa(isa), &rays, &expected, method, &mut |what| {
+                    tell(&format!("in a scene, {what}"))
+                });
+            });
         }
     }
     found
 }
 
-/// The hits of rays, and whether they hit anything, by one of the methods.
-fn trace(tree: &BvhView, rays: &[Ray], method: usize) -> (Vec<Option<Hit>>, Vec<bool>) {
-    match method % 7 {
-        0 => {
-            let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-            tree.intersect_many(rays, &mut hits);
-            tree.occluded_many(rays, &mut occluded);
-            (hits.into_iter().map(|hit| Some(hit).filter(Hit::is_hit)).collect(), occluded)
+/// Tells of rays for which one of the methods does not give what is expected.
+fn compare<T: Ways>(
+    target: &T,
+    rays: &[T::Ray],
+    expected: &[Option<T::Hit>],
+    method: usize,
+    tell: &mut dyn FnMut(&str),
+) {
+    let (hits, occluded) = trace(target, rays, method);
+    for (i, &expected) in expected.iter().enumerate() {
+        if !same(Some(hits[i]), Some(expected.unwrap_or(T::MISS))) || occluded[i] != expected.is_some() {
+            tell(&format!("ray {i}: {:?} {:?} instead of {expected:?}", hits[i], occluded[i]));
         }
-        1 => packets::<4>(tree, rays),
-        2 => packets::<8>(tree, rays),
-        3 => packets::<16>(tree, rays),
-        4 => packets::<32>(tree, rays),
-        5 => {
-            let (mut hits, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-            tree.intersect_gather(rays, &mut hits);
-            tree.occluded_gather(rays, &mut occluded);
-            (hits.into_iter().map(|hit| Some(hit).filter(Hit::is_hit)).collect(), occluded)
-        }
-        _ => rays.iter().map(|ray| (tree.intersect(ray), tree.occluded(ray))).unzip(),
     }
 }
 
-fn packets<const N: usize>(tree: &BvhView, rays: &[Ray]) -> (Vec<Option<Hit>>, Vec<bool>)
+/// The hits of rays, and whether they hit anything, by one of the methods.
+fn trace<T: Ways>(target: &T, rays: &[T::Ray], method: usize) -> (Vec<T::Hit>, Vec<bool>) {
+    let (mut hits, mut occluded) = (vec![T::UNTOUCHED; rays.len()], vec![false; rays.len()]);
+    match method % 7 {
+        0 => target.many(rays, &mut hits, &mut occluded),
+        1 => return packets::<4, _>(target, rays),
+        2 => return packets::<8, _>(target, rays),
+        3 => return packets::<16, _>(target, rays),
+        4 => return packets::<32, _>(target, rays),
+        5 => target.gather(rays, &mut hits, &mut occluded),
+        _ => {
+            let one = |ray| (target.one(ray).unwrap_or(T::MISS), target.one_occluded(ray));
+            return rays.iter().map(one).unzip();
+        }
+    }
+    (hits, occluded)
+}
+
+fn packets<const N: usize, T: Ways>(target: &T, rays: &[T::Ray]) -> (Vec<T::Hit>, Vec<bool>)
 where
     Width<N>: PacketWidth<N>,
 {
     let mut all = (Vec::new(), Vec::new());
     for rays in rays.chunks(N) {
-        let packet = RayPacket::<N>::from_rays(rays);
-        let mut hits = HitPacket::MISS;
-        tree.intersect_packet(&packet, &mut hits);
-        let occluded = tree.occluded_packet(&packet);
-        all.0.extend((0..rays.len()).map(|lane| Some(hits.hit(lane)).filter(Hit::is_hit)));
+        let mut hits = [T::UNTOUCHED; N];
+        let occluded = target.packet(rays, u32::MAX, &mut hits);
+        all.0.extend(&hits[..rays.len()]);
         all.1.extend((0..rays.len()).map(|lane| occluded >> lane & 1 == 1));
     }
     all

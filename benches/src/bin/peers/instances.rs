@@ -7,7 +7,7 @@ use halfdome_benches::instances::{self, SceneTracer};
 use halfdome_benches::measure;
 use halfdome_benches::rays::{RayCounts, RayKind};
 use halfdome_benches::scenes;
-use halfdome_benches::tracer::Tracer;
+use halfdome_benches::tracer::{Entry, Tracer};
 use halfdome_kernel::{BuildOptions, Bvh, Quality};
 use serde_json::json;
 
@@ -33,17 +33,16 @@ pub(crate) fn compare(count: u32, embree: Option<&Embree>, options: &Options) ->
     }
     let counts = if options.quick { RayCounts::QUICK } else { RayCounts::FULL };
     for set in instances::rays(&scene.view(), &triangles, counts) {
-        let (one, batch) = (SceneTracer::<true>(scene.view()), SceneTracer::<false>(scene.view()));
-        let mut tracers: Vec<(&'static str, Box<dyn Tracer + '_>)> =
-            vec![("single", Box::new(one)), ("batch", Box::new(batch))];
+        let ours = |entry: Entry| -> Box<dyn Tracer + '_> { Box::new(SceneTracer(scene.view(), entry)) };
+        let mut tracers: Vec<_> = Entry::ALL.map(|entry| (entry.name(), ours(entry))).into();
         tracers.extend(peer.iter().flat_map(|peer| peer.tracers(set.kind == RayKind::Primary)));
         let (names, tracers): (Vec<_>, Vec<_>) = tracers.into_iter().unzip();
         let tracers: Vec<&dyn Tracer> = tracers.iter().map(|tracer| &**tracer).collect();
         let timings = measure::interleaved(&tracers, &set, options.rounds.into());
         let timings: Vec<_> = names.into_iter().zip(timings).collect();
-        let (ours, peers) = timings.split_at(2);
-        if ours[0].1.answers != ours[1].1.answers {
-            return Err(format!("{name}, {}: the batch finds other hits", set.kind.name()).into());
+        let (ours, peers) = timings.split_at(Entry::ALL.len());
+        if let Some((entry, _)) = ours.iter().find(|(_, timing)| timing.answers != ours[0].1.answers) {
+            return Err(format!("{name}, {}: {entry} finds other hits than {}", set.kind.name(), ours[0].0).into());
         }
         let comparison = Comparison { scene: &name, kind: set.kind.name(), ours, peers, judged: Tally::default() };
         if options.json {

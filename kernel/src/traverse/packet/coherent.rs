@@ -2,7 +2,8 @@
 //! against a shaft of all rays first, then those that the shaft hits against the rays, one a lane.
 
 use crate::bvh::{Child, MAX_STACK, Node, TriangleBlock, WIDTH};
-use crate::geometry::bundle::{Bundle, DirectionClass, Shaft, Surroundings, greatest};
+use crate::geometry::bundle::{Bundle, DirectionClass, greatest};
+use crate::geometry::shaft::{Shaft, Surroundings};
 use crate::geometry::triangle::LineLanes;
 use crate::simd::{CompressChildren, Lanes, Mask, Simd};
 use crate::traverse::node_test::visit_octant;

@@ -15,7 +15,8 @@ use leaf::Triangles;
 use glam::Vec3;
 
 use crate::bvh::BvhView;
-use crate::geometry::bundle::{Bundle, Surroundings};
+use crate::geometry::bundle::Bundle;
+use crate::geometry::shaft::Surroundings;
 use crate::geometry::{Hit, HitPacket, RayPacket};
 use crate::simd::{Isa, Lanes, Mask, Simd, Work, dispatch};
 use crate::traverse::single;
