@@ -22,7 +22,7 @@ use crate::output::{OutputError, OutputFile};
 use crate::settings::{Invalid, Shard};
 
 const MAGIC: [u8; 8] = *b"halfdBAK";
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 const HEADER: usize = 8 + 4 + 8 + 8;
 const CHECKSUM: usize = 8;
 
