@@ -21,10 +21,14 @@ pub(super) const LEAST: f32 = 2.0;
 const BRIGHT: f32 = 1.0 / 16.0;
 /// From this multiple of the mean irradiance on, paths always aim: found by trial.
 const AIM_FROM: f32 = 4.0;
-/// If each path aimed at each surface, its time would be about 1 more than this.
-const AIMED_TIME: f32 = 2.5;
+/// Parts of this multiple of the mean radiance are fierce: bounces find them as fireflies.
+const FIERCE: f32 = 8.0;
+/// If each path aimed at each surface, its time would be about 1 more than this; the first if all parts are fierce.
+const AIMED_TIME: [f32; 2] = [1.5, 3.5];
 /// The greatest product of variance and time, relative to that without secondary lights.
-const MAX_PRODUCT: f32 = 0.95;
+const MAX_PRODUCT: f32 = 0.9;
+/// The variance of what the estimate does not know of, such as deeper bounces, relative to the squared radiance.
+const UNKNOWN: f32 = 0.5;
 /// Candidates that are chosen for each point.
 const CHOICES: u32 = 32;
 /// A part that no point sees in so many tries is left out.
@@ -78,11 +82,24 @@ impl World {
         if variance <= 0.0 {
             return None;
         }
-        let limit = (BRIGHT * by_variance / variance).max(LEAST * mean);
-        let bright = tries.iter().flatten().filter(|it| it.is_seen && it.radiance >= limit);
-        let received = bright.map(|it| it.received).sum::<f32>() / views.len() as f32;
-        let worth = AIM_FROM * PI * (mean + received);
-        if product(&tries, views, rest, (limit, worth)) > MAX_PRODUCT {
+        let least = (BRIGHT * by_variance / variance).max(LEAST * mean);
+        let is_fierce = least >= FIERCE * mean;
+        let received = |limit: f32| {
+            let bright = tries.iter().flatten().filter(|it| it.is_seen && it.radiance >= limit);
+            bright.map(|it| it.received).sum::<f32>() / views.len() as f32
+        };
+        // What sends most of the light, and is not fierce, is so large that bounces find it.
+        if !is_fierce && received(least) > mean {
+            return None;
+        }
+        let choice = |limit: f32| {
+            let worth = AIM_FROM * PI * (mean + received(limit));
+            let time = AIMED_TIME[usize::from(!is_fierce)];
+            (product(&tries, views, rest + UNKNOWN, (limit, worth), time), limit, worth)
+        };
+        let choices = [least, least.max(FIERCE * mean)].map(choice).into_iter();
+        let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
+        if product > MAX_PRODUCT {
             return None;
         }
         let is_kept = |&part: &usize| {
@@ -120,7 +137,7 @@ impl World {
 
 /// The variance times the time of paths that aim at parts from a radiance on, always from an irradiance on, relative to
 /// that of paths that do not aim.
-fn product(tries: &[Vec<Try>], views: &[View], rest: f32, (limit, worth): (f32, f32)) -> f32 {
+fn product(tries: &[Vec<Try>], views: &[View], rest: f32, (limit, worth): (f32, f32), aimed_time: f32) -> f32 {
     let (mut logarithm, mut aimed) = (0.0, 0.0);
     for (view, tries) in views.iter().zip(tries) {
         let all: f32 = tries.iter().filter(|it| it.radiance >= limit).map(|it| it.received).sum();
@@ -136,5 +153,5 @@ fn product(tries: &[Vec<Try>], views: &[View], rest: f32, (limit, worth): (f32, 
         aimed += chance;
     }
     let count = views.len() as f32;
-    (logarithm / count).exp() * (1.0 + AIMED_TIME * aimed / count)
+    (logarithm / count).exp() * (1.0 + aimed_time * aimed / count)
 }

@@ -33,7 +33,7 @@ const MAX_CANDIDATES: usize = 1 << 16;
 const INDIRECT_PATHS: usize = 32;
 /// The least variance of what bounces find of direct light, relative to the radiance where they come from. Below this
 /// they suffice.
-const MIN_VARIANCE: f32 = 2.0;
+const MIN_VARIANCE: f32 = 3.0;
 /// Values above this multiple of the mean are clamped in a mean of few.
 const OUTLIER: f32 = 8.0;
 /// Rays that measure how far the light of a part reaches: of all together, and the least and the most of each.
