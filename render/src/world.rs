@@ -154,6 +154,7 @@ impl World {
         self.lights.forget_visibility();
         self.forget_secondary_lights();
         if let Some(points) = self.seen_points(from) {
+            // First, by the irradiance that lights would cause if they reached all.
             self.find_secondary_lights(&points);
             self.estimate_light_visibility(&points);
         }

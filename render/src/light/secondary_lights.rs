@@ -42,6 +42,7 @@ pub(crate) struct LitPart {
     pub places: [Vec2; 3],
     /// How it shines, and where its corners are.
     pub light: TriangleLight,
+    /// Nothing, until it is measured.
     pub reach: Reach,
 }
 
@@ -99,7 +100,7 @@ impl SecondaryLights {
                 cells.resize(cells.len() + division.count() as usize, NO_LIGHT);
             }
             let (division, first) = divisions[*number as usize];
-            let (cell, _) = division.locate(part.middle());
+            let cell = division.cell_at(part.middle());
             cells[first + cell as usize] = index;
         }
         Self { tree: Tree::build(&lights), parts, divided, divisions, cells, radiance, worth: 0.0, elsewhere: 0.0 }
@@ -129,8 +130,7 @@ impl SecondaryLights {
     pub(crate) fn at(&self, prim_id: u32, place: Vec2) -> Option<PartAt<'_>> {
         let &number = self.divided.get(prim_id as usize).filter(|number| **number != NO_LIGHT)?;
         let (division, first) = self.divisions[number as usize];
-        let (cell, _) = division.locate(place);
-        let index = self.cells[first + cell as usize];
+        let index = self.cells[first + division.cell_at(place) as usize];
         self.parts.get(index as usize).map(|part| PartAt { part, index })
     }
 

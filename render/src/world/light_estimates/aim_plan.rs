@@ -23,8 +23,9 @@ const BRIGHT: f32 = 1.0 / 16.0;
 const AIM_FROM: f32 = 4.0;
 /// Parts of this multiple of the mean radiance are fierce: bounces find them as fireflies.
 const FIERCE: f32 = 8.0;
-/// If each path aimed at each surface, its time would be about 1 more than this; the first if all parts are fierce.
-const AIMED_TIME: [f32; 2] = [1.5, 3.5];
+/// If paths aimed at each surface, their time would grow by about this multiple; the first if all parts are fierce.
+const FIERCE_TIME: f32 = 1.5;
+const AIMED_TIME: f32 = 3.5;
 /// The greatest product of variance and time, relative to that without secondary lights.
 const MAX_PRODUCT: f32 = 0.9;
 /// The variance of what the estimate does not know of, such as deeper bounces, relative to the squared radiance.
@@ -92,12 +93,13 @@ impl World {
         if !is_fierce && received(least) > mean {
             return None;
         }
+        let (limits, aimed_time) =
+            if is_fierce { (vec![least], FIERCE_TIME) } else { (vec![least, FIERCE * mean], AIMED_TIME) };
         let choice = |limit: f32| {
             let worth = AIM_FROM * PI * (mean + received(limit));
-            let time = AIMED_TIME[usize::from(!is_fierce)];
-            (product(&tries, views, rest + UNKNOWN, (limit, worth), time), limit, worth)
+            (product(&tries, views, rest + UNKNOWN, (limit, worth), aimed_time), limit, worth)
         };
-        let choices = [least, least.max(FIERCE * mean)].map(choice).into_iter();
+        let choices = limits.into_iter().map(choice);
         let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
         if product > MAX_PRODUCT {
             return None;

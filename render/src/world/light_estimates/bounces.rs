@@ -20,8 +20,11 @@ const BOUNCES: u32 = 8;
 const SAMPLES: u32 = 4;
 /// Surfaces of a path behind the first.
 const DEPTH: u32 = 2;
-/// The random numbers of the first bounces, and those of the light at their hits.
-const SALT: u32 = 4;
+/// The first set of random numbers that seen points leave: for bounces, for the paths behind them, and for
+/// further paths from what these find.
+const FIRST_SALT: u32 = 4;
+const BEHIND_SALT: u32 = FIRST_SALT + 1;
+pub(super) const INDIRECT_SALT: u32 = BEHIND_SALT + DEPTH;
 
 /// A point that paths come to.
 pub(super) struct View<'a> {
@@ -75,7 +78,7 @@ impl World {
     /// What bounces from these points find of direct light.
     pub(super) fn bounces(&self, views: &[View]) -> Vec<Bounce> {
         let from = views.iter().enumerate().flat_map(|(view, from)| (0..BOUNCES).map(move |_| (view, from.point)));
-        let hits = self.bounce(from.collect(), 0);
+        let hits = self.bounce(from.collect(), FIRST_SALT);
         let bounce = |(number, (view, hit, direction)): (usize, (usize, Hit, Vec3))| {
             let direct = self.scattered(&self.surface_at(&hit).facing(direction), number as u32);
             Bounce { view, hit, direction, direct, indirect: 0.0 }
@@ -86,18 +89,18 @@ impl World {
     /// Adds what they find of indirect light.
     pub(super) fn add_indirect(&self, bounces: &mut [Bounce]) {
         let surface = |bounce: &Bounce| self.surface_at(&bounce.hit).facing(bounce.direction);
-        let indirect = self.indirect(bounces.iter().map(surface).collect(), 1);
+        let indirect = self.indirect(bounces.iter().map(surface).collect(), BEHIND_SALT);
         bounces.iter_mut().zip(indirect).for_each(|(bounce, indirect)| bounce.indirect = indirect);
     }
 
     /// The radiance that each surface scatters, of light that was reflected before, by one path from each.
-    pub(super) fn indirect(&self, from: Vec<Surface>, first: u32) -> Vec<f32> {
+    pub(super) fn indirect(&self, from: Vec<Surface>, salt: u32) -> Vec<f32> {
         let mut found = vec![0.0; from.len()];
         // The number of each path, and the albedo of the surfaces that it has come to.
         let mut paths: Vec<(usize, f32)> = from.iter().map(|side| self.albedo(side.prim_id)).enumerate().collect();
         let mut from: Vec<(usize, Surface)> = from.into_iter().enumerate().collect();
         for depth in 0..DEPTH {
-            let hits = self.bounce(from, first + depth);
+            let hits = self.bounce(from, salt + depth);
             let next: Vec<(Surface, f32)> = hits
                 .par_iter()
                 .enumerate()
@@ -122,11 +125,11 @@ impl World {
 
     /// Sends a ray from each surface, by the cosine, and gives its number, hit and direction. Surfaces that transmit do
     /// that in part.
-    fn bounce(&self, from: Vec<(usize, Surface)>, depth: u32) -> Vec<(usize, Hit, Vec3)> {
+    fn bounce(&self, from: Vec<(usize, Surface)>, salt: u32) -> Vec<(usize, Hit, Vec3)> {
         let ray = |(number, (index, surface)): (usize, (usize, Surface))| {
-            let sampler = Sampler::new(Pattern::Sobol, 0, SALT + depth, number as u32);
+            let sampler = Sampler::new(Pattern::Sobol, 0, salt, number as u32);
             let [side, _, x, y] = sampler.uniform4(0);
-            let transmits = side < surface.material.inputs.diffuse_transmission_weight && depth > 0;
+            let transmits = side < surface.material.inputs.diffuse_transmission_weight;
             let surface = if transmits { surface.facing(surface.normal) } else { surface };
             let direction = surface.frame().to_world(CosineHemisphere.map(Vec2::new(x, y)));
             let is_outside = surface.normal.dot(direction) > 0.0 && !surface.material.is_glass();

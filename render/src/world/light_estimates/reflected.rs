@@ -79,8 +79,8 @@ impl World {
     pub(super) fn irradiance_samples(&self, side: &Surface, number: u32) -> [f32; 2] {
         let sampler = Sampler::new(Pattern::Sobol, 0, side.prim_id, number);
         let receiver = Receiver::new(side.position, side.normal, false);
-        let weights = self.lights.weigh(&receiver, SkyPart::Sun);
         let [a, b, c, d] = sampler.uniform4(0);
+        let weights = self.lights.weigh(&receiver, SkyPart::Sun);
         let choice = self.lights.choose(&receiver, &weights, unit_double(Vec2::new(a, b)));
         let is_reached = choice.is_some_and(|choice| self.is_reached(side, choice.index, Vec2::new(c, d)));
         let lights = if is_reached { weights.total() } else { 0.0 };

@@ -15,7 +15,7 @@ use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use rayon::prelude::*;
 
 use super::aim_plan::{AimPlan, LEAST};
-use super::bounces::{Bounce, View};
+use super::bounces::{Bounce, INDIRECT_SALT, View};
 use super::seen_points::SeenPoints;
 use crate::light::{Division, LitPart, Reach, SecondaryLights, area, place_in};
 use crate::world::{Hit, World};
@@ -78,6 +78,7 @@ impl World {
         }
         self.add_indirect(&mut bounces);
         let mean = mean_without_outliers(&bounces);
+        // Their indirect light, about.
         views.iter_mut().for_each(|view| view.radiance += mean);
         let least = LEAST * mean;
         let found = self.found(&views, &bounces, least);
@@ -107,7 +108,7 @@ impl World {
         let side = |bounce: &&Bounce| self.surface_at(&bounce.hit).facing(bounce.direction);
         let paths = |hits: &Vec<&Bounce>| hits.len().max(INDIRECT_PATHS);
         let from = hits.values().flat_map(|hits| hits.iter().cycle().take(paths(hits)).map(side));
-        let indirect = self.indirect(from.collect(), 4);
+        let indirect = self.indirect(from.collect(), INDIRECT_SALT);
         let mut first = 0;
         let triangle = |(prim, hits): (u32, Vec<&Bounce>)| {
             let count = paths(&hits);
