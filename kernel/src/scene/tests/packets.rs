@@ -99,6 +99,7 @@ fn bundles(random: &mut Random, scene: &SceneView, count: usize, spread: f32) ->
 #[test]
 fn bundles_through_random_scenes() {
     let mut random = Random(73);
+    let (mut hits, mut total) = (0, 0);
     for (count, spread) in [(3, 0.3), (6, 0.02), (40, 0.05), (100, 0.02), (100, 0.5)] {
         let stock = Stock::new(&mut random);
         let (spheres, quads) = (Spheres(&stock.spheres), Quads(&stock.quads));
@@ -111,10 +112,12 @@ fn bundles_through_random_scenes() {
         let first = scene(stock.items(&mut random, 5, shapes, &[&second]));
         let first = first.view();
         let outer = scene(stock.items(&mut random, count, shapes, &[&first, &second, &third]));
-        let rays = bundles(&mut random, &outer.view(), fewer(40), spread);
-        let hits = check(&outer.view(), &rays);
-        assert!(hits > rays.len() / 80, "{count} items: {hits} hits of {}", rays.len());
+        let rays = bundles(&mut random, &outer.view(), fewer(40).max(12), spread);
+        hits += check(&outer.view(), &rays);
+        total += rays.len();
     }
+    // Of all scenes together: few rays may miss a scene of few items.
+    assert!(hits > total / 40, "{hits} hits of {total}");
 }
 
 /// Of these packets go through the trees: meshes alone, still and turned.
