@@ -157,6 +157,7 @@ impl World {
             // First, by the irradiance that lights would cause if they reached all.
             self.find_secondary_lights(&points);
             self.estimate_light_visibility(&points);
+            self.find_openings(&points);
         }
     }
 

@@ -243,9 +243,11 @@ pub(crate) fn area_light_sample(
 
 #[inline(never)]
 fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32, u: Vec2) -> Option<LightSample> {
-    let sample = world.lights.sky.sample(&surface.receiver(), part, u);
+    let (sky, receiver) = (&world.lights.sky, surface.receiver());
+    let sample = sky.sample(&receiver, part, u);
     let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
-    let inv_density = (probability * sample.density).recip();
+    let through_openings = if part == SkyPart::Bright { sky.opening_density(&receiver, sample.direction) } else { 0.0 };
+    let inv_density = (probability * sample.density + through_openings).recip();
     let radiance = sample.radiance * inv_density;
     // No bounce sees the sun where that is what is asked for.
     let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };

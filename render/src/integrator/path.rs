@@ -69,6 +69,7 @@ pub(super) fn radiance(
     let scratch = Scratch {
         block: PathBlock::new(),
         shadows: ShadowRays::new(),
+        to_sky: ShadowRays::to_sky(),
         bounces: Bounces::new(),
         glossy: GlossyLanes::default(),
         transmissive: Closures::default(),
@@ -96,6 +97,8 @@ struct PathTracer<'a> {
 struct Scratch {
     block: PathBlock,
     shadows: ShadowRays,
+    /// Those of samples of the sky through openings.
+    to_sky: ShadowRays,
     bounces: Bounces,
     glossy: GlossyLanes,
     transmissive: Closures<Transmissive>,
@@ -155,18 +158,19 @@ impl Task for Steps<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let Self { mut step, scratch } = self;
-        let Scratch { block, shadows, bounces, glossy, transmissive, layered } = scratch;
+        let Scratch { block, shadows, to_sky, bounces, glossy, transmissive, layered } = scratch;
+        let mut rays = (shadows, to_sky, bounces);
         if step.aims() {
             step.wave.lose_aimed();
         }
         step.see_lights();
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);
-        step.advance(0..ends[0], &mut Lambert, block, shadows, bounces);
+        step.advance(0..ends[0], &mut Lambert, block, &mut rays);
         if step.world.has_closures() {
-            step.advance(ends[0]..ends[1], glossy, block, shadows, bounces);
-            step.advance(ends[1]..ends[2], transmissive, block, shadows, bounces);
-            step.advance(ends[2]..ends[3], layered, block, shadows, bounces);
+            step.advance(ends[0]..ends[1], glossy, block, &mut rays);
+            step.advance(ends[1]..ends[2], transmissive, block, &mut rays);
+            step.advance(ends[2]..ends[3], layered, block, &mut rays);
         }
         // What blocks add behind all others, so that the order of a sample's contributions does not depend on blocks.
         let first_deferred = step.wave.shadow_queue.queue_deferred();

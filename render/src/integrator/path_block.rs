@@ -16,6 +16,7 @@ mod columns;
 mod glossy;
 mod guided;
 mod light;
+mod openings;
 
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -38,6 +39,8 @@ pub(super) use glossy::GlossyLanes;
 pub(super) use guided::GuidedBlock;
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};
+use openings::OpeningColumns;
+pub(super) use openings::SkyDensities;
 
 /// Paths that have arrived at a surface each.
 #[derive(Clone, Copy, Zeroable)]
@@ -85,6 +88,7 @@ pub(super) struct PathBlock {
     /// Numbers that decide whether paths aim at secondary lights, if there are any.
     pub u_aim: Column,
     light_samples: LightSamples,
+    openings: OpeningColumns,
     /// The `target` of paths that leave: 0, or of secondary lights [`Path::UNAIMED`].
     target: Integers,
 }

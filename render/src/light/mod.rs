@@ -9,6 +9,7 @@ mod ambient;
 mod choice;
 mod distant;
 pub(crate) mod few;
+mod grid;
 mod receiver;
 mod secondary_lights;
 mod sized;
@@ -26,7 +27,7 @@ use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::secondary_lights::{ChosenPart, Division, LitPart, Reach, SecondaryLights, place_in};
 pub(crate) use self::sized::SizedLights;
-pub(crate) use self::sky::{SkyLight, SkyPart};
+pub(crate) use self::sky::{Openings, SkyLight, SkyPart};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
 pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};
@@ -212,6 +213,11 @@ impl LightSampler {
     #[inline(always)]
     pub(crate) fn few(&self, part: SkyPart) -> &[TriangleLight] {
         if self.sky.has(part) { &[] } else { &self.few }
+    }
+
+    /// The number of the sky.
+    pub(crate) fn sky_number(&self) -> u32 {
+        self.lights.len() as u32 - 1
     }
 
     /// All lights, by their numbers.

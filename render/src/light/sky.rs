@@ -7,6 +7,7 @@
 //! bounces the part that they find well, and gathers see a picture without its *sun*, the part of texels above a few
 //! times the mean, which is sampled like a lamp.
 
+mod openings;
 mod peaks;
 mod texels;
 
@@ -16,6 +17,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
+pub(crate) use self::openings::Openings;
 use self::peaks::Peaks;
 use self::texels::SkyTexels;
 use super::brightness;
@@ -50,6 +52,8 @@ pub(crate) struct SkyLight {
     visibility: [f32; 3],
     /// Each part of a picture, with its patches.
     parts: Box<[Option<(Peaks, Patches)>; 3]>,
+    /// Where it is seen from within rooms.
+    openings: Option<Openings>,
 }
 
 /// Where to look for the sky.
@@ -69,7 +73,7 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             SkyTexels::new(picture)
         });
-        let mut light = Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default() };
+        let mut light = Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default(), openings: None };
         light.forget_visibility();
         if let Some(picture) = light.picture.take_if(|_| mean != Vec3::ZERO) {
             // A sun may be most of the mean, so that the second time counts.
@@ -91,6 +95,7 @@ impl SkyLight {
 
     /// Knows of nothing that is in between.
     pub(crate) fn forget_visibility(&mut self) {
+        self.openings = None;
         self.visibility = if self.picture.is_some() { [1.0; 3] } else { [1.0, 0.0, 0.0] };
     }
 
@@ -106,6 +111,25 @@ impl SkyLight {
                 [parts[0], if bright > LEAST_OPEN { bright } else { 0.0 }, 0.0]
             }
         };
+    }
+
+    /// Takes the openings through which surfaces see the sky. Where it is constant no other light samples look for it.
+    pub(crate) fn set_openings(&mut self, openings: Openings) {
+        if self.picture.is_none() {
+            self.visibility[SkyPart::Bright as usize] = 0.0;
+        }
+        self.openings = Some(openings);
+    }
+
+    /// The openings through which surfaces see the sky, if they are few.
+    #[inline(always)]
+    pub(crate) fn openings(&self) -> Option<&Openings> {
+        self.openings.as_ref()
+    }
+
+    /// The density per solid angle with which samples through openings have this direction.
+    pub(crate) fn opening_density(&self, receiver: &Receiver, direction: Vec3) -> f32 {
+        self.openings.as_ref().map_or(0.0, |openings| openings.density(receiver, direction))
     }
 
     /// Radiance from this unit vector.

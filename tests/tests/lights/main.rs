@@ -2,6 +2,7 @@
 
 mod guide;
 mod lit_parts;
+mod openings;
 mod profiles;
 mod secondary;
 mod sizes;
@@ -59,7 +60,11 @@ fn expected(scene: &Scene, y: f64, radiance: impl Fn(DVec3) -> DVec3) -> Vec<DVe
 
 /// Renders with many seeds; every pixel's mean is `expected`.
 fn check(scene: &Scene, expected: &[DVec3], closeness: f64) {
-    let renders: Vec<_> = (0..48).map(|seed| pixels(&render(scene, &Settings { seed, ..settings() }))).collect();
+    check_settings(scene, &settings(), expected, closeness);
+}
+
+fn check_settings(scene: &Scene, settings: &Settings, expected: &[DVec3], closeness: f64) {
+    let renders: Vec<_> = (0..48).map(|seed| pixels(&render(scene, &Settings { seed, ..settings.clone() }))).collect();
     for (i, &expected) in expected.iter().enumerate() {
         let values: Vec<DVec3> = renders.iter().map(|pixels| pixels[i]).collect();
         let estimate = Estimate::of(&values);

@@ -68,7 +68,7 @@ fn room(bulb: &Bulb, shade: Material) -> Scene {
 
 /// The mean of the picture over seeds, and the mean over pixels of the variance of one pixel, relative to the squared
 /// mean.
-fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u32) -> (Estimate, f64) {
+pub(crate) fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u32) -> (Estimate, f64) {
     let options = PathOptions { lights, max_depth: 6, stop: *stop, ..PathOptions::default() };
     let runs: Vec<Vec<DVec3>> = (0..16)
         .map(|seed| {

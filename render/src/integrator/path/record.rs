@@ -153,10 +153,11 @@ impl Advance<'_, '_> {
         closures: &C,
         block: &PathBlock,
         shadows: &ShadowRays,
+        light: impl Fn(&PathBlock, usize) -> u32,
     ) {
         let lit = (0..block.len).filter(|&i| shadows.is_lit(i));
         for (shadow_ray, i) in (self.wave.shadow_queue.len()..).zip(lit) {
-            let found = (shadow_ray, block.light(i), shadows.direction(i), shadows.light(i));
+            let found = (shadow_ray, light(block, i), shadows.direction(i), shadows.light(i));
             self.record_light_sample(closures, block, i, found, |memory| &mut memory.waiting);
         }
     }

@@ -9,11 +9,11 @@ use super::aim::FindLit;
 use super::{Advance, SKY};
 use crate::estimator::{ShadowRay, sample_light, sample_reflected};
 use crate::integrator::emission::{emission, sky};
-use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, clamp};
+use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, SkyDensities, clamp};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
 use crate::light::SampledLight;
-use crate::settings::Stop;
+use crate::settings::{LightSampling, Stop};
 use crate::world::WHITE;
 
 /// The importance of light that mirrors reflect to surfaces that the camera does not see: bounces spread its noise over
@@ -28,8 +28,7 @@ impl Advance<'_, '_> {
         range: Range<usize>,
         closures: &mut C,
         block: &mut PathBlock,
-        shadows: &mut ShadowRays,
-        bounces: &mut Bounces,
+        (shadows, to_sky, bounces): &mut (&mut ShadowRays, &mut ShadowRays, &mut Bounces),
     ) {
         let mut next = range.start;
         while next < range.end {
@@ -44,6 +43,7 @@ impl Advance<'_, '_> {
                 self.stop(block);
                 self.draw(block);
                 self.sample_lights(closures, block, shadows);
+                self.sample_openings(closures, block, to_sky);
                 self.continue_paths(closures, block, bounces);
                 if self.aims() && self.depth + 1 < self.options.max_depth {
                     self.aim(closures, block);
@@ -194,6 +194,30 @@ impl Advance<'_, '_> {
             }
         }
         block.sample_lights(closures, self.options.lights, &WHITE, shadows);
+        self.queue_samples(closures, block, shadows, PathBlock::light);
+    }
+
+    /// Samples the sky through openings for each path of the block.
+    #[inline(always)]
+    fn sample_openings<C: BlockClosures>(&mut self, closures: &C, block: &mut PathBlock, shadows: &mut ShadowRays) {
+        let lights = self.options.lights;
+        if self.world.lights.sky.openings().is_none() || lights == LightSampling::Naive {
+            return;
+        }
+        block.sample_openings(closures, (self.world, SKY), lights, &WHITE, shadows);
+        let sky = self.world.lights.sky_number();
+        self.queue_samples(closures, block, shadows, |_, _| sky);
+    }
+
+    /// Defers the light of samples until their shadow rays are traced; `light` gives each path's light.
+    #[inline(always)]
+    fn queue_samples<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        block: &PathBlock,
+        shadows: &mut ShadowRays,
+        light: impl Fn(&PathBlock, usize) -> u32,
+    ) {
         if let Some(guide) = &self.guide {
             guide.reweigh_lights(block, self.options.lights, shadows);
         }
@@ -204,7 +228,7 @@ impl Advance<'_, '_> {
             shadows.clamp(most);
         }
         if self.recorder.is_some() {
-            self.record_light_samples(closures, block, shadows);
+            self.record_light_samples(closures, block, shadows, light);
         }
         if self.trainer.is_some() {
             self.learn_light_samples(block, shadows);
@@ -293,10 +317,8 @@ impl Advance<'_, '_> {
         if let Some(guide) = &self.guide {
             guide.bounce(closures, block, bounces);
         }
-        if world.lights.sky.has(SKY) {
-            for i in 0..block.len {
-                bounces.paths.sky_density[i] = block.sky_density(world, SKY, i, bounces.direction(i));
-            }
+        if world.lights.sky.has(SKY) || world.lights.sky.openings().is_some() {
+            world.isa().run(SkyDensities { world, part: SKY, block, bounces });
         }
         if self.recorder.is_some() {
             self.record_bounces(closures, block, bounces);

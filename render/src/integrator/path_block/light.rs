@@ -33,23 +33,23 @@ pub(super) struct LightSamples {
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(in crate::integrator) struct ShadowRays {
-    rays: Rays,
-    waiting: PendingLights,
+    pub(super) rays: Rays,
+    pub(super) waiting: PendingLights,
     /// The reciprocals of the densities with which their directions were chosen.
-    per_density: Column,
+    pub(super) per_density: Column,
     /// Unit vectors to the lights, and what the closures scatter of light from there.
-    towards: Vectors,
+    pub(super) towards: Vectors,
     scattered: Scattered,
     /// Whether there is any light.
-    lit: Integers,
+    pub(super) lit: Integers,
 }
 
 /// Light that waits for its shadow ray: what it adds to the camera ray of this number.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-struct PendingLights {
-    index: Integers,
-    light: Vectors,
+pub(super) struct PendingLights {
+    pub(super) index: Integers,
+    pub(super) light: Vectors,
 }
 
 impl LightSamples {
@@ -199,9 +199,10 @@ impl PathBlock {
         is_other.then(|| SampledLight { index: lights[i], probability: probability[i], rest: uv[0][i] })
     }
 
-    /// The density with which light samples of path `i` look to this part of the sky in a direction.
+    /// The density with which samples of the chosen light of path `i` look to this part of the sky in a direction, without those
+    /// through openings.
     #[inline(always)]
-    pub(in crate::integrator) fn sky_density(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> f32 {
+    pub(super) fn density_anywhere(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> f32 {
         self.light_samples.sky_probability[i] * world.lights.sky.density(&self.receiver(i), part, direction)
     }
 
@@ -244,6 +245,18 @@ impl PathBlock {
             let is_there = self.light_samples.emitters.is_plain[i] & self.goes_on[i] & is_chosen;
             shadows.lit[i] = u32::from(arrives) & is_there;
         }
+        self.weigh_samples(closures, lights, matte, shadows);
+    }
+
+    /// Multiplies the light of samples by what closures scatter of it and by the weight of light samples beside bounces.
+    #[inline(always)]
+    pub(super) fn weigh_samples<C: BlockClosures>(
+        &self,
+        closures: &C,
+        lights: LightSampling,
+        matte: &Material,
+        shadows: &mut ShadowRays,
+    ) {
         closures.eval_all(self, matte, &shadows.towards, &mut shadows.scattered);
         for i in 0..LANES {
             let weight = lights.light_weight(shadows.per_density[i], shadows.scattered.density[i]);
@@ -259,6 +272,13 @@ impl ShadowRays {
     pub(in crate::integrator) fn new() -> Self {
         let mut shadows = Self::zeroed();
         shadows.rays.t_max = [1.0; LANES];
+        shadows
+    }
+
+    /// Rays without an end.
+    pub(in crate::integrator) fn to_sky() -> Self {
+        let mut shadows = Self::zeroed();
+        shadows.rays.t_max = [f32::INFINITY; LANES];
         shadows
     }
 

@@ -6,6 +6,7 @@ mod aim_plan;
 mod bounces;
 mod light_shares;
 mod light_visibility;
+mod openings;
 mod reflected;
 mod secondary_lights;
 pub(super) mod seen_points;

@@ -1,0 +1,150 @@
+//! Samples of the sky through openings, for a block's paths.
+//!
+//! Loops over the paths are inside of those over openings, and become lanes.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Task;
+use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
+
+use super::columns::{Column, LANES, Vectors};
+use super::{BlockClosures, Bounces, PathBlock, ShadowRays};
+use crate::light::{Openings, SkyPart};
+use crate::scene::Material;
+use crate::settings::LightSampling;
+use crate::world::World;
+
+/// What a block's paths see of the sky through openings.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(super) struct OpeningColumns {
+    /// The weights of openings at each path.
+    weights: [Column; Openings::MOST],
+    /// Their sums; 0 where no opening is seen.
+    total: Column,
+}
+
+impl OpeningColumns {
+    /// The densities of samples in these directions.
+    #[inline(always)]
+    fn densities(&self, block: &PathBlock, openings: &Openings, directions: &Vectors) -> Column {
+        let mut densities = [0.0; LANES];
+        for (opening, weights) in self.weights.iter().enumerate().take(openings.count()) {
+            for i in 0..LANES {
+                let cone = openings.cone(opening, block.position.get(i));
+                densities[i] += weights[i] * cone.density(directions.get(i));
+            }
+        }
+        for i in 0..LANES {
+            densities[i] = if self.total[i] > 0.0 { densities[i] / self.total[i] } else { 0.0 };
+        }
+        densities
+    }
+}
+
+impl PathBlock {
+    /// Samples of the sky through openings, beside those of lights and of this part of the sky.
+    #[inline(always)]
+    pub(in crate::integrator) fn sample_openings<C: BlockClosures>(
+        &mut self,
+        closures: &C,
+        (world, part): (&World, SkyPart),
+        lights: LightSampling,
+        matte: &Material,
+        shadows: &mut ShadowRays,
+    ) {
+        world.isa().run(OpeningSamples { world, part, block: self, matte, shadows });
+        self.weigh_samples(closures, lights, matte, shadows);
+    }
+}
+
+/// The directions of such samples, as a task that is compiled for each instruction set.
+struct OpeningSamples<'a> {
+    world: &'a World,
+    part: SkyPart,
+    block: &'a mut PathBlock,
+    matte: &'a Material,
+    shadows: &'a mut ShadowRays,
+}
+
+impl Task for OpeningSamples<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { world, part, block, matte, shadows } = self;
+        let sky = &world.lights.sky;
+        shadows.lit = [0; LANES];
+        let Some(openings) = sky.openings() else { return };
+        let mut seen = block.openings;
+        for i in 0..block.len {
+            for (weights, free) in seen.weights.iter_mut().zip(openings.free_at(block.position.get(i))) {
+                weights[i] = *free;
+            }
+        }
+        seen.total = [0.0; LANES];
+        for (opening, weights) in seen.weights.iter_mut().enumerate().take(openings.count()) {
+            for i in 0..LANES {
+                let receiver = block.receiver(i);
+                weights[i] *= openings.cone(opening, receiver.position).weight(&receiver);
+                seen.total[i] += weights[i];
+            }
+        }
+        // The opening in which a place lies if they lie side by side: the last one that begins before.
+        let (mut chosen, mut start, mut end) = ([0_u32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
+        for (opening, weights) in seen.weights.iter().enumerate().take(openings.count()) {
+            for i in 0..LANES {
+                let is_here = (block.u_light[i].x * seen.total[i] >= end[i]) & (weights[i] > 0.0);
+                chosen[i] = if is_here { opening as u32 } else { chosen[i] };
+                start[i] = if is_here { end[i] } else { start[i] };
+                end[i] += weights[i];
+            }
+        }
+        for i in 0..LANES {
+            let opening = chosen[i] as usize;
+            let rest = (block.u_light[i].x * seen.total[i] - start[i]) / seen.weights[opening][i];
+            let u = Vec2::new(rest.clamp(0.0, ONE_MINUS_EPSILON), block.u_light[i].y);
+            shadows.towards.set(i, openings.cone(opening, block.position.get(i)).direction(u));
+        }
+        block.openings = seen;
+        let densities = seen.densities(block, openings, &shadows.towards);
+        for i in (0..block.len).filter(|&i| (block.goes_on[i] != 0) & (seen.total[i] > 0.0)) {
+            let (surface, direction) = (block.surface(i, matte), shadows.towards.get(i));
+            let inv_density = (densities[i] + block.density_anywhere(world, part, i, direction)).recip();
+            let is_above = surface.transmits | (surface.normal.dot(direction) > 0.0);
+            shadows.rays.origin.set(i, surface.origin_towards(direction));
+            shadows.rays.direction.set(i, direction);
+            shadows.waiting.index[i] = block.paths.index[i];
+            shadows.waiting.light.set(i, sky.radiance(direction) * inv_density);
+            shadows.per_density[i] = inv_density;
+            shadows.lit[i] = u32::from(is_above & inv_density.is_finite());
+        }
+    }
+}
+
+/// Gives bounces the density with which light samples look to this part of the sky in their directions, likewise.
+pub(in crate::integrator) struct SkyDensities<'a> {
+    pub world: &'a World,
+    pub part: SkyPart,
+    pub block: &'a PathBlock,
+    pub bounces: &'a mut Bounces,
+}
+
+impl Task for SkyDensities<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let Self { world, part, block, bounces } = self;
+        for i in 0..block.len {
+            let direction: Vec3 = bounces.direction(i);
+            bounces.paths.sky_density[i] = block.density_anywhere(world, part, i, direction);
+        }
+        if let Some(openings) = world.lights.sky.openings() {
+            let densities = block.openings.densities(block, openings, bounces.directions());
+            for i in 0..LANES {
+                bounces.paths.sky_density[i] += densities[i];
+            }
+        }
+    }
+}
