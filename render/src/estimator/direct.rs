@@ -8,7 +8,8 @@
 //!
 //! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of
 //! [`seen_lights`](super::seen_lights), are the interface for integrators, sensors, bakes and probes. The caller
-//! chooses the part of the sky that light samples cover ([`SkyPart`]).
+//! chooses the part of the sky that light samples cover ([`SkyPart`]). With [`SkyPart::Bright`] it takes further samples
+//! of the sky through openings ([`Openings`](crate::light::Openings)), whose density counts beside that of these.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;

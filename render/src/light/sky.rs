@@ -1,6 +1,7 @@
 //! The sky as a light.
 //!
 //! A constant sky is sampled by the cosine, a picture, whose [texels](texels) are interpolated, by its brightness (see [`Peaks`]).
+//! From within rooms both are sampled through [`Openings`] besides.
 //!
 //! Cosine-distributed rays find the sky well, but a picture's sun only by chance. So the part of the sky that light
 //! samples cover depends on the other techniques (see [`SkyPart`]): MIS compensation (Karlík et al. 2019) leaves to

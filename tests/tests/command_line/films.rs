@@ -264,4 +264,9 @@ fn what_does_not_fit_is_named() {
         &["one.hdf: the film is of another picture: the seed is 0"],
     );
     desk.refuses(&format!("{scene} --resume -o text.hdf"), 1, &["text.hdf: is no film"]);
+    desk.refuses(
+        &format!("{scene} --checkpoint 1h -o one.png"),
+        1,
+        &["one.hdf: the film is there already, and checkpoints would replace it", "give --resume"],
+    );
 }

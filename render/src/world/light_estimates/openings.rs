@@ -11,7 +11,7 @@ use halfdome_kernel::{Aabb, Ray};
 use rayon::prelude::*;
 
 use super::seen_points::SeenPoints;
-use crate::light::{Openings, Receiver};
+use crate::light::Openings;
 use crate::world::{Hit, Surface, World};
 
 /// Points from which openings are looked for, at most, and rays from each.
@@ -88,7 +88,7 @@ impl World {
         let mut openings = Openings::new(spheres, surfaces.iter().fold(Aabb::EMPTY, around));
         let (mut tries, mut rays) = (Vec::new(), Vec::new());
         for (number, surface) in (0..).zip(surfaces) {
-            let receiver: Receiver = surface.receiver();
+            let receiver = surface.receiver();
             let cell = openings.grid_mut().cell(surface.position);
             for opening in 0..openings.count() {
                 let cone = openings.cone(opening, surface.position);

@@ -34,7 +34,7 @@ use crate::settings::{Integrator, Settings};
 use crate::world::World;
 use pictures::{is_black, is_exr, shown_name, without_aov};
 pub(crate) use pictures::{refuse_failures, write_all};
-use resumed::{begun, more_samples};
+use resumed::{begun, more_samples, refuse_to_replace};
 use sequence::sequence;
 use statistics::{Options, Recorder, SceneFacts, Seconds, Statistics};
 use summary::{End, RenderReport, Told};
@@ -55,6 +55,11 @@ fn render(arguments: &RenderArguments, told: &Told) -> Result<u8, CliError> {
     let (film_path, paths) = arguments.film.places(&arguments.outputs()?)?;
     for path in &paths {
         output::check(path).map_err(CliError::input)?;
+    }
+    if let Some(path) = &film_path
+        && arguments.film.checkpoint.is_some()
+    {
+        refuse_to_replace(path, arguments.film.resume)?;
     }
     inputs::check_report(arguments.report.as_deref())?;
     let reports: Vec<&PathBuf> = arguments.reports().collect();

@@ -4,13 +4,22 @@ use std::path::Path;
 
 use crate::cache::Cache;
 use crate::cli::checkpoint::read_film;
-use crate::cli::error::CliError;
+use crate::cli::error::{CliError, invalid};
 use crate::cli::messages::{Style, print_text};
 use crate::driver;
 use crate::film::Film;
 use crate::scene::count;
 use crate::settings::Settings;
 use crate::world::World;
+
+/// Refuses to write checkpoints over a film that is not gone on with: it may be the work of a night.
+pub(super) fn refuse_to_replace(path: &Path, resumes: bool) -> Result<(), CliError> {
+    if resumes || !path.exists() {
+        return Ok(());
+    }
+    let problem = format!("{}: the film is there already, and checkpoints would replace it", path.display());
+    Err(invalid(problem, "give --resume to go on with it, or remove it"))
+}
 
 /// The film that was begun, if there is one; refuses that of another picture.
 pub(super) fn begun(
