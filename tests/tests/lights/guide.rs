@@ -2,13 +2,13 @@
 
 use glam::{DVec3, Vec3};
 use halfdome::material::Inputs;
-use halfdome::scene::{CameraPose, Material, Scene, Sky};
+use halfdome::scene::{CameraPose, Material, Scene};
 use halfdome::settings::{Integrator, PathOptions, Settings};
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
 
 const SIZE: u32 = 16;
 
-/// A room of 4 by 3 by 4 metres with a gap of 30 cm in its ceiling, and a shelf of another material.
+/// A room of 4 by 3 by 4 metres with a gap of 30 cm in its ceiling, below a large lamp, and a shelf of another material.
 fn room(shelf: Material) -> Scene {
     let at = |x: f32, y: f32, z: f32| Vec3::new(4.0 * x, 3.0 * y, 4.0 * z);
     let corners = [0.0, 1.0].map(|x| [0.0, 1.0].map(|y| [0.0, 1.0].map(|z| at(x, y, z))));
@@ -20,17 +20,21 @@ fn room(shelf: Material) -> Scene {
     };
     let around = [ceiling([0.0, 0.0], [3.2, 4.0]), ceiling([3.5, 0.0], [4.0, 4.0])];
     let board = [[1.0, 1.0], [3.0, 1.0], [3.0, 2.5], [1.0, 2.5]].map(|[x, z]| Vec3::new(x, 0.8, z));
+    let lamp = ceiling([-6.0, -6.0], [10.0, 10.0]).map(|triangle| triangle.map(|corner| corner + Vec3::Y));
     let (shown, white) = (mesh(&quad(board), 1), mesh(&around.concat(), 0));
     Scene {
-        meshes: vec![mesh(&walls, 0), white, shown],
-        materials: vec![material(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO), shelf],
+        meshes: vec![mesh(&walls, 0), white, shown, mesh(&lamp, 2)],
+        materials: vec![
+            material(Vec3::new(0.7, 0.6, 0.5), Vec3::ZERO),
+            shelf,
+            material(Vec3::ZERO, Vec3::new(2.0, 3.0, 4.0)),
+        ],
         camera: Some(CameraPose {
             eye: Vec3::new(0.3, 1.6, 0.4),
             target: Vec3::new(2.5, 0.8, 2.0),
             up: Vec3::Y,
             vfov: 70.0,
         }),
-        sky: Sky { radiance: Vec3::new(2.0, 3.0, 4.0), picture: None },
         ..Scene::default()
     }
 }
