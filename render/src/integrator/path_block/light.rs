@@ -199,8 +199,8 @@ impl PathBlock {
         is_other.then(|| SampledLight { index: lights[i], probability: probability[i], rest: uv[0][i] })
     }
 
-    /// The density with which samples of the chosen light of path `i` look to this part of the sky in a direction, without those
-    /// through openings.
+    /// The density with which samples of the chosen light of path `i` look to this part of the sky in a direction, without
+    /// those through openings.
     #[inline(always)]
     pub(super) fn density_anywhere(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> f32 {
         self.light_samples.sky_probability[i] * world.lights.sky.density(&self.receiver(i), part, direction)

@@ -1,6 +1,6 @@
 //! What is estimated of lights before tracing, at a few points that paths come to: how much of them arrives there, where
-//! it is reflected so strongly that it is sampled as a light, and through which openings the sky is seen. Besides, which part of the light samples each light
-//! gets.
+//! it is reflected so strongly that it is sampled as a light, and through which openings the sky is seen. Besides, which
+//! part of the light samples each light gets.
 
 mod aim_plan;
 mod bounces;

@@ -81,8 +81,8 @@ impl World {
         escaped.into_iter().filter_map(point).collect()
     }
 
-    /// These openings with the part of directions through each that reach the sky, unless a smaller part of all than `least`
-    /// does.
+    /// These openings with the part of directions through each that reach the sky, unless a smaller part of all than
+    /// `least` does.
     fn tried(&self, surfaces: &[Surface], spheres: &[(Vec3, f32)], least: f32) -> Option<Openings> {
         let around = |bounds: Aabb, surface: &Surface| bounds.union(&Aabb::around(&[surface.position]));
         let mut openings = Openings::new(spheres, surfaces.iter().fold(Aabb::EMPTY, around));
