@@ -30,13 +30,12 @@ impl OpeningColumns {
     fn densities(&self, block: &PathBlock, openings: &Openings, directions: &Vectors) -> Column {
         let mut densities = [0.0; LANES];
         for (opening, weights) in self.weights.iter().enumerate().take(openings.count()) {
-            for i in 0..LANES {
-                let cone = openings.cone(opening, block.position.get(i));
-                densities[i] += weights[i] * cone.density(directions.get(i));
+            for (i, (density, weight)) in densities.iter_mut().zip(weights).enumerate() {
+                *density += weight * openings.cone(opening, block.position.get(i)).density(directions.get(i));
             }
         }
-        for i in 0..LANES {
-            densities[i] = if self.total[i] > 0.0 { densities[i] / self.total[i] } else { 0.0 };
+        for (density, total) in densities.iter_mut().zip(&self.total) {
+            *density = if *total > 0.0 { *density / total } else { 0.0 };
         }
         densities
     }
@@ -84,10 +83,10 @@ impl Task for OpeningSamples<'_> {
         }
         seen.total = [0.0; LANES];
         for (opening, weights) in seen.weights.iter_mut().enumerate().take(openings.count()) {
-            for i in 0..LANES {
+            for (i, (weight, total)) in weights.iter_mut().zip(&mut seen.total).enumerate() {
                 let receiver = block.receiver(i);
-                weights[i] *= openings.cone(opening, receiver.position).weight(&receiver);
-                seen.total[i] += weights[i];
+                *weight *= openings.cone(opening, receiver.position).weight(&receiver);
+                *total += *weight;
             }
         }
         // The opening in which a place lies if they lie side by side: the last one that begins before.
@@ -142,9 +141,7 @@ impl Task for SkyDensities<'_> {
         }
         if let Some(openings) = world.lights.sky.openings() {
             let densities = block.openings.densities(block, openings, bounces.directions());
-            for i in 0..LANES {
-                bounces.paths.sky_density[i] += densities[i];
-            }
+            bounces.paths.sky_density.iter_mut().zip(densities).for_each(|(density, through)| *density += through);
         }
     }
 }
