@@ -247,7 +247,8 @@ fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32,
     let (sky, receiver) = (&world.lights.sky, surface.receiver());
     let sample = sky.sample(&receiver, part, u);
     let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
-    let through_openings = if part == SkyPart::Bright { sky.opening_density(&receiver, sample.direction) } else { 0.0 };
+    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
+    let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, sample.direction));
     let inv_density = (probability * sample.density + through_openings).recip();
     let radiance = sample.radiance * inv_density;
     // No bounce sees the sun where that is what is asked for.

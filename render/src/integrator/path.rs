@@ -68,9 +68,7 @@ pub(super) fn radiance(
     }
     let scratch = Scratch {
         block: PathBlock::new(),
-        shadows: ShadowRays::new(),
-        to_sky: ShadowRays::to_sky(),
-        bounces: Bounces::new(),
+        rays: BlockRays { shadows: ShadowRays::new(), to_sky: ShadowRays::to_sky(), bounces: Bounces::new() },
         glossy: GlossyLanes::default(),
         transmissive: Closures::default(),
         layered: Closures::default(),
@@ -96,13 +94,18 @@ struct PathTracer<'a> {
 /// Memory for a block of paths.
 struct Scratch {
     block: PathBlock,
-    shadows: ShadowRays,
-    /// Those of samples of the sky through openings.
-    to_sky: ShadowRays,
-    bounces: Bounces,
+    rays: BlockRays,
     glossy: GlossyLanes,
     transmissive: Closures<Transmissive>,
     layered: Closures<Layered>,
+}
+
+/// The rays that leave a block's surfaces.
+struct BlockRays {
+    shadows: ShadowRays,
+    /// Shadow rays of samples of the sky through openings.
+    to_sky: ShadowRays,
+    bounces: Bounces,
 }
 
 impl WavefrontStep for PathTracer<'_> {
@@ -158,19 +161,18 @@ impl Task for Steps<'_, '_> {
     #[inline(always)]
     fn run(self) {
         let Self { mut step, scratch } = self;
-        let Scratch { block, shadows, to_sky, bounces, glossy, transmissive, layered } = scratch;
-        let mut rays = (shadows, to_sky, bounces);
+        let Scratch { block, rays, glossy, transmissive, layered } = scratch;
         if step.aims() {
             step.wave.lose_aimed();
         }
         step.see_lights();
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);
-        step.advance(0..ends[0], &mut Lambert, block, &mut rays);
+        step.advance(0..ends[0], &mut Lambert, block, rays);
         if step.world.has_closures() {
-            step.advance(ends[0]..ends[1], glossy, block, &mut rays);
-            step.advance(ends[1]..ends[2], transmissive, block, &mut rays);
-            step.advance(ends[2]..ends[3], layered, block, &mut rays);
+            step.advance(ends[0]..ends[1], glossy, block, rays);
+            step.advance(ends[1]..ends[2], transmissive, block, rays);
+            step.advance(ends[2]..ends[3], layered, block, rays);
         }
         // What blocks add behind all others, so that the order of a sample's contributions does not depend on blocks.
         let first_deferred = step.wave.shadow_queue.queue_deferred();

@@ -128,11 +128,6 @@ impl SkyLight {
         self.openings.as_ref()
     }
 
-    /// The density per solid angle with which samples through openings have this direction.
-    pub(crate) fn opening_density(&self, receiver: &Receiver, direction: Vec3) -> f32 {
-        self.openings.as_ref().map_or(0.0, |openings| openings.density(receiver, direction))
-    }
-
     /// Radiance from this unit vector.
     pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
         match &self.picture {

@@ -53,9 +53,57 @@ fn mixed() -> Scene {
     scene
 }
 
+/// The scene in a box of matte walls with a window, through which paths look for the sky.
+fn indoors(mut scene: Scene) -> Scene {
+    let (x, z, top) = (2.5, 4.0, 3.0);
+    let wall = |from: Vec3, right: Vec3, up: Vec3| quad([from, from + right, from + right + up, from + up]);
+    let (across, along, up) = (Vec3::X * 2.0 * x, Vec3::Z * 2.0 * z, Vec3::Y * (top + 0.1));
+    let low = Vec3::new(-x, -0.1, -z);
+    let walls = [
+        wall(low, across, along),
+        wall(low + along, across, up),
+        wall(low, across, up),
+        wall(low, along, up),
+        wall(low + across, along, 0.3 * up),
+        wall(low + across, 0.4 * along, up),
+        wall(low + across + 0.55 * along, 0.45 * along, up),
+        wall(low + up, across, along),
+    ];
+    let number = scene.materials.len();
+    scene.materials.push(Material { name: "wall".to_owned(), ..Material::matte(Vec3::splat(0.6)) });
+    scene.meshes.push(mesh(&walls.concat(), number));
+    scene
+}
+
+#[test]
+fn light_through_a_window_is_the_skys() {
+    let mut scene = indoors(mixed());
+    scene.lights.clear();
+    scene.light_labels.clear();
+    scene.materials.iter_mut().for_each(|material| material.emission = Vec3::ZERO);
+    // A lamp on the roof, which shines upwards.
+    let corners = [[-1.0, 1.0], [1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]].map(|[x, z]| Vec3::new(x, 5.0, z));
+    scene.meshes.push(mesh(&quad(corners), scene.materials.len()));
+    scene.materials.push(material(Vec3::ZERO, Vec3::ONE));
+    let expressions = [("sky", "C.*B"), ("lamps", "C.*[LO]"), ("seen", "CB"), ("one", "C.B"), ("more", "C..+B")];
+    let settings = Settings { width: 40, height: 36, spp: 8, aovs: aovs(&expressions), ..Settings::default() };
+    let picture = render(&scene, &settings);
+    assert_sum(&picture, &["sky"]);
+    assert_sum(&picture, &["seen", "one", "more"]);
+    assert!(values(&picture, "lamps.G").iter().all(|&value| value == 0.0));
+    // Many pixels have light that came through the window: of bounces, few of eight find it.
+    let lit = values(&picture, "one.G").iter().filter(|&&value| value > 0.0).count();
+    assert!(lit > 700, "{lit} pixels of 1440");
+}
+
 #[test]
 fn disjoint_expressions_sum_to_the_picture() {
-    let scene = mixed();
+    for scene in [mixed(), indoors(mixed())] {
+        check_disjoint_expressions(&scene);
+    }
+}
+
+fn check_disjoint_expressions(scene: &Scene) {
     let by_lobe = [("seen", "C[LB]"), ("d", "CD.*"), ("g", "CG.*"), ("s", "CS.*")];
     let by_length = [("none", "C."), ("one", "C.."), ("two", "C..."), ("more", "C.{4,}")];
     let by_side = [("r", "C(R.*)?[LB]"), ("t", "CT.*")];
@@ -75,8 +123,8 @@ fn disjoint_expressions_sum_to_the_picture() {
         }),
     ] {
         let settings = Settings { integrator, ..base.clone() };
-        let plain = render(&scene, &settings);
-        let picture = render(&scene, &Settings { aovs: aovs(&all), light_groups: true, ..settings.clone() });
+        let plain = render(scene, &settings);
+        let picture = render(scene, &Settings { aovs: aovs(&all), light_groups: true, ..settings.clone() });
         for c in ["R", "G", "B"] {
             assert_eq!(values(&picture, c), values(&plain, c), "AOVs do not change the picture");
         }

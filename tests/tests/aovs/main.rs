@@ -9,7 +9,7 @@ use halfdome::output::read_exr;
 use halfdome::scene::{CameraPose, Instance, LightLabel, Material, Mesh, Object, PunctualLight, Scene, Sky};
 use halfdome::settings::{Aov, Cryptomatte, Filter, Integrator, LightSampling, MatteKind, PathOptions, Settings, Stop};
 use halfdome_tests::program::Program;
-use halfdome_tests::render::{mesh, quad, render};
+use halfdome_tests::render::{material, mesh, quad, render};
 use tempfile::TempDir;
 
 mod light_paths;

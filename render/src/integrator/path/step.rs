@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 use super::aim::FindLit;
-use super::{Advance, SKY};
+use super::{Advance, BlockRays, SKY};
 use crate::estimator::{ShadowRay, sample_light, sample_reflected};
 use crate::integrator::emission::{emission, sky};
 use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, SkyDensities, clamp};
@@ -28,7 +28,7 @@ impl Advance<'_, '_> {
         range: Range<usize>,
         closures: &mut C,
         block: &mut PathBlock,
-        (shadows, to_sky, bounces): &mut (&mut ShadowRays, &mut ShadowRays, &mut Bounces),
+        BlockRays { shadows, to_sky, bounces }: &mut BlockRays,
     ) {
         let mut next = range.start;
         while next < range.end {
