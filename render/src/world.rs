@@ -34,12 +34,13 @@ pub(crate) use placement::motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 use specular::Specular;
-pub(crate) use specular::{Between, LightEnd, LightInMirrors, SpecularConnection, Start, Starts};
+pub(crate) use specular::{Between, LightEnd, LightInMirrors, Next, Pane, SpecularConnection, Start, Starts};
 use surface::closures::ClosureCell;
 pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use surface::shadow_terminator::Convexity;
 pub(crate) use surface::shadow_terminator::TerminatorOffset;
 pub(crate) use surface::{Surface, WHITE, interpolate};
+pub(crate) use trace::chance;
 
 /// Geometry in a tree, materials, lights and a camera.
 #[derive(Debug)]

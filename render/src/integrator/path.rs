@@ -18,6 +18,7 @@
 mod absorb;
 mod aim;
 mod dispersion;
+mod panes;
 mod record;
 mod seen_lights;
 mod step;
@@ -162,10 +163,11 @@ impl Task for Steps<'_, '_> {
     fn run(self) {
         let Self { mut step, scratch } = self;
         let Scratch { block, rays, glossy, transmissive, layered } = scratch;
+        step.see_lights();
+        step.pass_panes();
         if step.aims() {
             step.wave.lose_aimed();
         }
-        step.see_lights();
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);
         step.advance(0..ends[0], &mut Lambert, block, rays);

@@ -93,6 +93,16 @@ impl Path {
         if self.is_first() && self.density == f32::INFINITY { Self::MIRRORED } else { self.normal & !Self::SEES_LIGHTS }
     }
 
+    /// The `normal` behind panes, whose straight light of lights of a size is known.
+    pub(super) fn normal_behind_pane(&self) -> u32 {
+        self.normal & !Self::SEES_LIGHTS
+    }
+
+    /// The `normal` after a reflection by a mirror with this packed normal.
+    pub(super) fn normal_mirrored_by(&self, packed: u32) -> u32 {
+        Self::normal_after(packed, (self.normal, self.density), (f32::INFINITY, true), false)
+    }
+
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
         Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: Self::NOWHERE, target: 0 }

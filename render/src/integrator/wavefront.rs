@@ -114,6 +114,8 @@ pub(crate) struct Wavefront {
     u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,
     pub(super) shadow_queue: ShadowQueue,
+    /// The number of rays that were traced again.
+    traced_again: u64,
 }
 
 /// Sets of random numbers that a path uses at a surface: on the light, for the next direction, and for going on.
@@ -180,7 +182,20 @@ impl Wavefront {
             world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
             traced += self.rays.len() as u64;
         }
-        traced
+        traced + std::mem::take(&mut self.traced_again)
+    }
+
+    /// Traces the rays of these paths again.
+    pub(super) fn trace_again(&mut self, world: &World, times: &[f32], sources: &[usize]) {
+        let rays: Vec<Ray> = sources.iter().map(|&source| self.rays[source]).collect();
+        let times: Vec<f32> = match times {
+            [] => Vec::new(),
+            times => sources.iter().map(|&source| times[self.paths[source].index as usize]).collect(),
+        };
+        let mut hits = vec![Hit::MISS; rays.len()];
+        world.intersect_many_at(&rays, &times, &mut hits);
+        sources.iter().zip(hits).for_each(|(&source, hit)| self.hits[source] = hit);
+        self.traced_again += rays.len() as u64;
     }
 
     /// Starts a path with each camera ray, in the memory of the paths before.

@@ -7,7 +7,7 @@ use super::media::Solids;
 use super::placement::instances::Instances;
 use super::placement::motion::Motion;
 use super::ray_counts::RayCounters;
-use super::specular::Specular;
+use super::specular::{PaneTree, Specular};
 use super::surface::closures::ClosureCell;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use super::surface::shadow_terminator::Convexity;
@@ -87,7 +87,9 @@ impl World {
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
-        let specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
+        let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
+        let placed = (&triangle_records[..still], &corners[..still]);
+        specular.panes = PaneTree::new((&meshes, &first_faces), &materials, placed, options)?;
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),

@@ -29,6 +29,7 @@ use crate::material::ggx::Ggx;
 use crate::scene::Material;
 pub(crate) use chain::LightEnd;
 pub(crate) use manifold::SpecularConnection;
+pub(crate) use panes::tree::{Next, Pane, PaneTree};
 use photons::Photons;
 pub(crate) use photons::{LightInMirrors, Start, Starts};
 
@@ -38,12 +39,13 @@ const MAX_FACES: usize = 16;
 /// The smooth faces between surfaces and lights that bounces cannot hit.
 #[derive(Debug)]
 pub(super) struct Specular {
-    /// By material, whether it transmits light; empty if none does, or if there are no such lights.
+    /// By material, whether it transmits light; empty if none does.
     transmits: Vec<bool>,
-    /// By material, whether it reflects light as a mirror does; empty likewise.
+    /// By material, whether it reflects light as a mirror does; empty if none does, or if there are no such lights.
     mirrors: Vec<bool>,
     /// The bounds of all surfaces that transmit.
     bounds: Aabb,
+    pub(super) panes: Option<PaneTree>,
     /// Light that is refracted, and light that is reflected once.
     refracted: Photons,
     reflected: Photons,
@@ -62,6 +64,7 @@ impl Specular {
             transmits: materials.iter().map(Material::is_glass).collect(),
             mirrors: materials.iter().map(Material::is_mirror).collect(),
             bounds: Aabb::EMPTY,
+            panes: None,
             refracted: Photons::default(),
             reflected: Photons::default(),
         };
@@ -69,7 +72,7 @@ impl Specular {
         if !has_punctual || !among(&specular.mirrors) {
             specular.mirrors.clear();
         }
-        if !has_punctual || !among(&specular.transmits) {
+        if !among(&specular.transmits) {
             specular.transmits.clear();
             return specular;
         }
@@ -134,18 +137,24 @@ impl Face<'_> {
 }
 
 impl World {
-    /// Whether anything transmits light that no bounce can find.
+    /// Whether there is clear glass.
     #[inline(always)]
     pub(crate) fn has_clear_glass(&self) -> bool {
         !self.specular.transmits.is_empty()
     }
 
-    /// Whether the surface that was hit may transmit such light.
+    /// Whether the surface that was hit may be clear glass.
     #[inline(always)]
     pub(crate) fn is_clear_glass(&self, hit: &Hit) -> bool {
         self.has_clear_glass()
             && hit.is_hit()
             && self.specular.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
+    }
+
+    /// The panes through which light samples and bounces go straight.
+    #[inline(always)]
+    pub(crate) fn panes(&self) -> Option<&PaneTree> {
+        self.specular.panes.as_ref()
     }
 
     /// Whether there are mirrors that show lights to other surfaces.

@@ -146,7 +146,7 @@ impl World {
 }
 
 /// A number in [0, 1) for a ray and a triangle.
-fn chance(ray: &Ray, hit: &Hit) -> f32 {
+pub(crate) fn chance(ray: &Ray, hit: &Hit) -> f32 {
     let [a, b, c] = ray.origin.to_array().map(f32::to_bits);
     let [d, e, f] = ray.direction.to_array().map(f32::to_bits);
     let seed = u64::from(a) << 32 | u64::from(b);

@@ -146,6 +146,15 @@ impl Advance<'_, '_> {
         }
     }
 
+    /// Records that a mirror reflects a path where it has arrived.
+    pub(super) fn record_mirrored(&mut self, source: usize) {
+        if let Some(recorder) = &mut self.recorder {
+            let mesh = self.world.mesh_number(self.wave.hits[source].prim_id);
+            let event = recorder.paths.surface(mesh, false, Lobe::Delta);
+            recorder.memory.states[source] = recorder.paths.after(recorder.memory.states[source], event);
+        }
+    }
+
     /// Records the light samples of a block, which are about to join the shadow queue.
     #[inline(never)]
     pub(super) fn record_light_samples<C: BlockClosures>(

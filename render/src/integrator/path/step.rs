@@ -224,6 +224,7 @@ impl Advance<'_, '_> {
         if self.is_absorbed() {
             self.absorb_light_samples(block, shadows);
         }
+        self.pass_shadows(block, shadows);
         if let Some(most) = self.clamp_at_surface() {
             shadows.clamp(most);
         }
@@ -252,8 +253,11 @@ impl Advance<'_, '_> {
         let is_shared = C::SHARES_LIGHTS || !sample.is_punctual;
         let inv_density = if is_shared { sample.inv_density } else { 0.0 };
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
-        let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
-        self.connect(closures, block, i, (light.index, shadow_ray));
+        let mut shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
+        // Glass between a point and its light is known already.
+        if sample.is_punctual || self.pass_shadow(block, i, &mut shadow_ray) {
+            self.connect(closures, block, i, (light.index, shadow_ray));
+        }
     }
 
     /// Samples the light that mirrors and glass reflect to path `i`. Of lights with a size, bounces find what they reflect

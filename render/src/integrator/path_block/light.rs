@@ -303,6 +303,22 @@ impl ShadowRays {
         self.waiting.light.set(i, self.waiting.light.get(i) * part);
     }
 
+    /// Lets all rays begin at their origins.
+    pub(in crate::integrator) fn start_at_surfaces(&mut self) {
+        self.rays.t_min = [0.0; LANES];
+    }
+
+    /// Lets ray `i` begin farther on, with this part of its light.
+    pub(in crate::integrator) fn pass(&mut self, i: usize, t_min: f32, part: Vec3) {
+        self.rays.t_min[i] = t_min;
+        self.dim(i, part);
+    }
+
+    /// Takes the light from ray `i`.
+    pub(in crate::integrator) fn lose(&mut self, i: usize) {
+        self.lit[i] = 0;
+    }
+
     /// The light of ray `i`.
     pub(in crate::integrator) fn light(&self, i: usize) -> Vec3 {
         self.waiting.light.get(i)

@@ -2,9 +2,10 @@
 
 use std::f32::consts::FRAC_1_SQRT_2;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::{Input, InputMap, Material};
+use crate::material::ggx::Ggx;
 use crate::material::{Bsdf, Closure, Inputs, Kind};
 
 /// A direction halfway between the normal and the horizon.
@@ -41,6 +42,18 @@ impl Material {
     /// Whether light goes through, so that one may see it from within.
     pub(crate) fn is_glass(&self) -> bool {
         self.kind() >= Kind::Transmissive && self.inputs.transmission_weight > 0.0
+    }
+
+    /// The inputs of smooth glass that is the same everywhere, and nothing else: what it does not reflect goes through.
+    pub(crate) fn clear_glass_inputs(&self) -> Option<Inputs> {
+        let is_dark = self.emission == Vec3::ZERO && self.emission_map.is_none();
+        if !(self.is_glass() && self.is_uniform() && is_dark && self.opacity.is_whole()) {
+            return None;
+        }
+        let inputs = self.inputs_by(|_| Vec4::ONE, Vec3::ONE);
+        let is_bare = inputs.coat_weight == 0.0 && inputs.fuzz_weight == 0.0 && inputs.thin_film_weight == 0.0;
+        let is_smooth = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta();
+        (is_bare && is_smooth && inputs.transmission_weight == 1.0 && inputs.base_metalness == 0.0).then_some(inputs)
     }
 
     /// Whether it reflects as a mirror does, at least in part and everywhere: normal maps make it scatter.

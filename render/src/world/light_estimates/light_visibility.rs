@@ -34,7 +34,8 @@ impl World {
                 let u = Sampler::new(Pattern::Sobol, 0, 2, number).uniform2(0);
                 (point, self.lights.sky.sample(&point.receiver(), part, u).direction)
             });
-            self.reached(directions, |ray| ray)
+            // Those among bounces look through panes.
+            self.reached(directions, |ray| if part == SkyPart::Bright { self.beyond_glass(ray) } else { ray })
         });
         self.lights.set_visibility(&directional, sky, open);
     }

@@ -34,7 +34,7 @@ const CHUNK: usize = 4096;
 impl World {
     /// Tells the sky where it is seen.
     pub(crate) fn find_openings(&mut self, points: &SeenPoints) {
-        if self.lights.sky.mean() == Vec3::ZERO || points.escaped <= 0.0 || points.escaped > MOST_OPEN {
+        if self.lights.sky.mean() == Vec3::ZERO || points.escaped > MOST_OPEN {
             return;
         }
         let surfaces: Vec<Surface> = points.all(self).filter(|surface| !surface.material.is_glass()).collect();
@@ -42,8 +42,10 @@ impl World {
         let some: Vec<&Surface> = surfaces.iter().step_by(step).collect();
         let found =
             some.par_iter().enumerate().map(|(number, surface)| self.points_in_openings(surface, number as u32));
-        let spheres = spheres(found.collect::<Vec<_>>().concat());
-        let openings = self.tried(&surfaces, &spheres, GAIN * points.escaped);
+        let found = found.collect::<Vec<_>>().concat();
+        // About, as some rays go below the surface.
+        let open = found.len() as f32 / (some.len() as f32 * RAYS as f32);
+        let openings = self.tried(&surfaces, &spheres(found), GAIN * open);
         if let Some(openings) = openings {
             self.lights.sky.set_openings(openings);
         }
@@ -59,16 +61,19 @@ impl World {
         };
         let rays: Vec<Ray> = (0..RAYS).filter_map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
-        self.intersect_many(&rays, &mut hits);
-        let (blocked, escaped): (Vec<_>, Vec<_>) = rays.iter().zip(hits).partition(|(_, hit)| hit.is_hit());
+        let beyond_glass: Vec<Ray> = rays.iter().map(|ray| self.beyond_glass(*ray)).collect();
+        self.intersect_many(&beyond_glass, &mut hits);
+        let ends = beyond_glass.iter().zip(hits).map(|(ray, hit)| hit.is_hit().then(|| ray.at(hit.t)));
+        let (blocked, escaped): (Vec<_>, Vec<_>) = rays.iter().zip(ends).partition(|(_, end)| end.is_some());
         if escaped.len() as f32 > MOST_OPEN * rays.len() as f32 {
             return Vec::new();
         }
-        let point = |(ray, _): (&Ray, Hit)| {
+        let point = |(ray, _): (&Ray, Option<Vec3>)| {
             // The nearest ones by angle, in order.
             let mut nearest = [(MIN_COS, 0.0_f32); NEIGHBORS];
-            for (other, hit) in &blocked {
-                let mut next = (ray.direction.dot(other.direction), hit.t);
+            for (other, end) in &blocked {
+                let distance = end.map_or(0.0, |end| end.distance(other.origin));
+                let mut next = (ray.direction.dot(other.direction), distance);
                 for place in &mut nearest {
                     if next.0 > place.0 {
                         std::mem::swap(place, &mut next);
@@ -96,7 +101,7 @@ impl World {
                     (cone.weight(&receiver), Sampler::new(Pattern::Sobol, 0, SALT + opening as u32, number));
                 let direction = cone.direction(u.uniform2(1));
                 if weight > 0.0 && surface.normal.dot(direction) > 0.0 {
-                    rays.push(Ray::new(surface.origin_towards(direction), direction));
+                    rays.push(self.beyond_glass(Ray::new(surface.origin_towards(direction), direction)));
                     tries.push((cell, opening, weight));
                 }
             }

@@ -8,6 +8,8 @@
 //!
 //! Deviations: a pane does not offset light sideways; films and coats reflect nothing.
 
+pub(in crate::world) mod tree;
+
 use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;

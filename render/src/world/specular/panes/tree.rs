@@ -1,0 +1,200 @@
+//! Panes that stand still, in a tree of their own: which does a ray cross on its straight way, and what is left of its
+//! light?
+//!
+//! A pane is a thin wall, or two parallel flat faces of one solid, of smooth glass and nothing else. With the
+//! reflectances `F` and `G` of its faces and the transmittance `a` between them, all inner reflections summed,
+//!
+//! `T = (1 - F)(1 - G) a / (1 - F G a²)`, `R = F + (1 - F)² G a² / (1 - F G a²)`.
+//!
+//! A thin wall has `a = 1`, and both faces reflect `F`.
+//!
+//! Deviations: a pane does not offset light sideways. Where the offset would be more than a few percent of the distance
+//! to the pane, the ray [`Bends`](Next::Bends).
+
+use glam::Vec3;
+use halfdome_kernel::{BuildOptions, Bvh, Error, Hit, Ray, Triangle};
+
+use super::super::MAX_FACES;
+use super::MIN_PARALLEL_COS;
+use crate::material::fresnel::Dielectric;
+use crate::scene::{Material, Mesh};
+use crate::world::TriangleRecord;
+
+/// The greatest offset by a pane, relative to the distance to it.
+const MAX_OFFSET: f32 = 0.03;
+
+/// The faces of panes, and a tree of them.
+#[derive(Debug)]
+pub(crate) struct PaneTree {
+    tree: Bvh,
+    /// By triangle of the tree.
+    faces: Vec<PaneFace>,
+}
+
+/// A flat triangle of clear glass.
+#[derive(Clone, Copy, Debug)]
+struct PaneFace {
+    /// The unit normal of its front.
+    front: Vec3,
+    /// Its material; triangles of one solid have the same.
+    material: u32,
+    glass: ClearGlass,
+}
+
+/// Smooth glass without anything else.
+#[derive(Clone, Copy, Debug)]
+struct ClearGlass {
+    tint: Vec3,
+    absorption: Vec3,
+    ior: f32,
+    fresnel: Dielectric,
+    is_thin: bool,
+}
+
+/// A pane on the way of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Pane {
+    /// Where the ray meets its faces; twice the same of a thin wall.
+    pub enters: f32,
+    pub leaves: f32,
+    /// The unit normal on the side that the ray comes from.
+    pub normal: Vec3,
+    pub transmittance: Vec3,
+    pub reflectance: Vec3,
+}
+
+/// What a ray meets first of panes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Next {
+    Nothing,
+    Pane(Pane),
+    /// Glass that it does not cross straight.
+    Bends,
+}
+
+impl PaneTree {
+    /// The panes among the triangles of `records`, of which the first have these `corners`; `None` if there are none.
+    pub(in crate::world) fn new(
+        (meshes, first_faces): (&[Mesh], &[u32]),
+        materials: &[Material],
+        (records, corners): (&[TriangleRecord], &[Triangle]),
+        options: &BuildOptions,
+    ) -> Result<Option<Self>, Error> {
+        let glasses: Vec<_> = materials.iter().map(ClearGlass::of).collect();
+        let (mut faces, mut placed) = (Vec::new(), Vec::new());
+        for (prim, (record, corners)) in records.iter().zip(corners).enumerate() {
+            let mesh = &meshes[record.mesh as usize];
+            let face = prim - first_faces[record.mesh as usize] as usize;
+            if let Some(glass) = glasses[record.material as usize].filter(|_| mesh.colors.is_empty())
+                && let Some(front) = flat_front(record, mesh, face)
+            {
+                faces.push(PaneFace { front, material: record.material, glass });
+                placed.push(*corners);
+            }
+        }
+        if faces.is_empty() {
+            return Ok(None);
+        }
+        let (tree, _) = Bvh::build(&placed, options)?;
+        Ok(Some(Self { tree, faces }))
+    }
+
+    /// What a ray meets first of panes, whatever else is in its way.
+    pub(crate) fn next(&self, ray: &Ray) -> Next {
+        let Some((entry, face)) = self.face(ray) else { return Next::Nothing };
+        let length = ray.direction.length();
+        let along = face.front.dot(ray.direction) / length;
+        let glass = &face.glass;
+        let (cos, side) = (along.abs(), -along.signum());
+        let (reflected, cos_inside) = glass.fresnel.at(cos);
+        let f = reflected.max_element();
+        if glass.is_thin {
+            return Next::Pane(Pane {
+                enters: entry.t,
+                leaves: entry.t,
+                normal: side * face.front,
+                transmittance: glass.tint * ((1.0 - f) / (1.0 + f)),
+                reflectance: 2.0 * reflected / (1.0 + reflected),
+            });
+        }
+        let Some((exit, behind)) = self.face(&Ray { t_min: entry.t.next_up(), ..*ray }).filter(|_| along < 0.0) else {
+            return Next::Bends;
+        };
+        if behind.material != face.material || behind.front.dot(face.front) > -MIN_PARALLEL_COS {
+            return Next::Bends;
+        }
+        let thickness = (exit.t - entry.t) * length * cos;
+        let (sin, cos_inside) = ((1.0 - cos * cos).max(0.0).sqrt(), cos_inside.max(1e-3));
+        let offset = thickness * sin * (1.0 - cos / (glass.ior * cos_inside));
+        if offset > MAX_OFFSET * entry.t * length {
+            return Next::Bends;
+        }
+        let absorbed = (-thickness / cos_inside * glass.absorption).exp();
+        // Both faces have the same angles.
+        let inner = (1.0 - f) * (1.0 - f) / (1.0 - f * f * absorbed * absorbed);
+        Next::Pane(Pane {
+            enters: entry.t,
+            leaves: exit.t,
+            normal: face.front,
+            transmittance: glass.tint * glass.tint * absorbed * inner,
+            reflectance: reflected + f * glass.tint * glass.tint * absorbed * absorbed * inner,
+        })
+    }
+
+    /// Takes a shadow ray through all panes on its way: the part of it behind them, and their transmittance; `None` if
+    /// glass bends it. `before` is shown the parts of the ray before and inside of panes.
+    pub(crate) fn cross(&self, shadow: &Ray, mut before: impl FnMut(Ray)) -> Option<(Ray, Vec3)> {
+        let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
+        for _ in 0..MAX_FACES {
+            let pane = match self.next(&ray) {
+                Next::Nothing => return Some((ray, transmittance)),
+                Next::Pane(pane) => pane,
+                Next::Bends => return None,
+            };
+            before(Ray { t_max: pane.enters.next_down(), ..ray });
+            if pane.enters < pane.leaves {
+                before(pane.inside(&ray));
+            }
+            transmittance *= pane.transmittance;
+            ray.t_min = pane.leaves.next_up();
+        }
+        None
+    }
+
+    /// The nearest face along a ray.
+    fn face(&self, ray: &Ray) -> Option<(Hit, &PaneFace)> {
+        let hit = self.tree.view().intersect(ray)?;
+        Some((hit, &self.faces[hit.prim_id as usize]))
+    }
+}
+
+impl Pane {
+    /// The part of a ray between its faces.
+    pub(crate) fn inside(&self, ray: &Ray) -> Ray {
+        Ray { t_min: self.enters.next_up(), t_max: self.leaves.next_down(), ..*ray }
+    }
+}
+
+impl ClearGlass {
+    fn of(material: &Material) -> Option<Self> {
+        let inputs = material.clear_glass_inputs()?;
+        Some(Self {
+            tint: inputs.transmission_color,
+            absorption: inputs.absorption,
+            ior: inputs.specular_ior,
+            fresnel: Dielectric::new(inputs.specular_ior, false, inputs.specular_weight, inputs.specular_color),
+            is_thin: inputs.thin_walled,
+        })
+    }
+}
+
+/// The unit normal of a triangle's front, if the vertex normals are about the same.
+fn flat_front(record: &TriangleRecord, mesh: &Mesh, face: usize) -> Option<Vec3> {
+    if mesh.normals.is_empty() {
+        return Some(record.normal);
+    }
+    let normals = mesh.triangles[face].map(|corner| mesh.normals[corner as usize].normalize_or_zero());
+    let side = record.normal.dot(normals[0]).signum();
+    let front = side * record.normal;
+    normals.iter().all(|normal| front.dot(*normal) > MIN_PARALLEL_COS).then_some(front)
+}
