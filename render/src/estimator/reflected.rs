@@ -17,6 +17,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
+use smallvec::SmallVec;
 
 use super::punctual::{direction_of_sun, intensity};
 use crate::scene::PunctualLight;
@@ -50,9 +51,9 @@ pub(crate) struct ReflectedLight {
 pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32, u: Vec2) -> Option<ReflectedLight> {
     let always = ALWAYS / importance;
     let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
-    let mut starts = Starts::NONE;
-    let mut found = [const { None::<(u32, SpecularConnection)> }; MAX_CONNECTIONS];
-    let (mut count, mut total, mut chosen) = (0, 0.0, None);
+    let mut starts = Starts::default();
+    let mut found = SmallVec::<[(u32, SpecularConnection); MAX_CONNECTIONS]>::new();
+    let (mut total, mut chosen) = (0.0, None);
     for reflected in world.lights_in_mirrors(surface.position, roulette) {
         reflected.find_starts(surface.position, always, &mut starts);
         let LightInMirrors { index, light, inv_probability, .. } = reflected;
@@ -60,7 +61,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
         let light = moved.as_ref().unwrap_or(light);
         for start in starts.iter() {
             let probability = (start.strength / always).min(1.0);
-            if count == MAX_CONNECTIONS {
+            if found.len() == MAX_CONNECTIONS {
                 break;
             }
             let (end, spread_of_size) = light_end(light, start, u);
@@ -74,7 +75,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
             };
             let is_known =
                 |(other, known): &(u32, SpecularConnection)| *other == index && known.is_same(&connection, spacing);
-            if found.iter().flatten().any(is_known) {
+            if found.iter().any(is_known) {
                 continue;
             }
             let SpecularConnection { direction, rest, leaving, transmittance, spread, .. } = connection;
@@ -93,8 +94,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
                     choice = (choice - share) / (1.0 - share);
                 }
             }
-            found[count] = Some((index, connection));
-            count += 1;
+            found.push((index, connection));
         }
     }
     let (light, brought) = chosen?;

@@ -7,7 +7,7 @@ use super::media::Solids;
 use super::placement::instances::Instances;
 use super::placement::motion::Motion;
 use super::ray_counts::RayCounters;
-use super::specular::{PaneTree, Specular};
+use super::specular::{GlassTree, Specular};
 use super::surface::closures::ClosureCell;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use super::surface::shadow_terminator::Convexity;
@@ -89,7 +89,11 @@ impl World {
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
         let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let placed = (&triangle_records[..still], &corners[..still]);
-        specular.panes = PaneTree::new((&meshes, &first_faces), &materials, placed, options)?;
+        let glass = GlassTree::new((&meshes, &first_faces), &materials, placed, options)?;
+        specular.set_glass(
+            glass,
+            triangle_records.iter().filter(|face| materials[face.material as usize].is_glass()).count(),
+        );
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),

@@ -29,7 +29,7 @@ use crate::material::ggx::Ggx;
 use crate::scene::Material;
 pub(crate) use chain::LightEnd;
 pub(crate) use manifold::SpecularConnection;
-pub(crate) use panes::tree::{Next, Pane, PaneTree};
+pub(crate) use panes::glass_tree::{GlassTree, Next, Pane};
 use photons::Photons;
 pub(crate) use photons::{LightInMirrors, Start, Starts};
 
@@ -45,7 +45,11 @@ pub(super) struct Specular {
     mirrors: Vec<bool>,
     /// The bounds of all surfaces that transmit.
     bounds: Aabb,
-    pub(super) panes: Option<PaneTree>,
+    /// Those that stand still, and whether these are all.
+    glass: Option<GlassTree>,
+    is_all_glass_still: bool,
+    /// Whether any of those may be a pane.
+    has_panes: bool,
     /// Light that is refracted, and light that is reflected once.
     refracted: Photons,
     reflected: Photons,
@@ -64,7 +68,9 @@ impl Specular {
             transmits: materials.iter().map(Material::is_glass).collect(),
             mirrors: materials.iter().map(Material::is_mirror).collect(),
             bounds: Aabb::EMPTY,
-            panes: None,
+            glass: None,
+            is_all_glass_still: false,
+            has_panes: false,
             refracted: Photons::default(),
             reflected: Photons::default(),
         };
@@ -83,6 +89,18 @@ impl Specular {
         let everywhere = Aabb { min: Vec3::NEG_INFINITY, max: Vec3::INFINITY };
         specular.bounds = if is_known { bounds } else { everywhere };
         specular
+    }
+
+    /// Adds the glass that stands still, of this number of triangles of glass.
+    pub(super) fn set_glass(&mut self, glass: Option<GlassTree>, all: usize) {
+        self.is_all_glass_still = glass.as_ref().map_or(0, GlassTree::count) == all;
+        self.has_panes = glass.as_ref().is_some_and(GlassTree::has_panes);
+        self.glass = glass;
+    }
+
+    /// Whether a ray is known to meet no glass.
+    fn misses_glass(&self, ray: &Ray) -> bool {
+        self.is_all_glass_still && self.glass.as_ref().is_none_or(|glass| !glass.is_met(ray))
     }
 
     /// Whether a ray may meet glass, rounding included.
@@ -151,10 +169,10 @@ impl World {
             && self.specular.transmits[self.triangle_records[hit.prim_id as usize].material as usize]
     }
 
-    /// The panes through which light samples and bounces go straight.
+    /// The glass among which are panes, through which light samples and bounces go straight.
     #[inline(always)]
-    pub(crate) fn panes(&self) -> Option<&PaneTree> {
-        self.specular.panes.as_ref()
+    pub(crate) fn panes(&self) -> Option<&GlassTree> {
+        self.specular.glass.as_ref().filter(|_| self.specular.has_panes)
     }
 
     /// Whether there are mirrors that show lights to other surfaces.

@@ -3,6 +3,7 @@
 mod guide;
 mod lit_parts;
 mod openings;
+mod panes;
 mod profiles;
 mod secondary;
 mod sizes;

@@ -9,10 +9,10 @@ use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
 use crate::secondary::{hollow, picture};
 use crate::{SIZE, check_settings, expected, form_factor, plane, reflected, settings};
 
-const LOW: Vec3 = Vec3::new(-3.0, 0.0, -3.0);
+pub(crate) const LOW: Vec3 = Vec3::new(-3.0, 0.0, -3.0);
 const HIGH: Vec3 = Vec3::new(2.5, 3.0, 6.0);
 /// The window's corners in y and z.
-const WINDOW: [[f32; 2]; 2] = [[0.9, 0.4], [1.8, 1.5]];
+pub(crate) const WINDOW: [[f32; 2]; 2] = [[0.9, 0.4], [1.8, 1.5]];
 const SKY: Vec3 = Vec3::new(4.0, 5.0, 6.0);
 
 /// A box that is open below, with a window in the wall at the greatest x.
@@ -83,7 +83,7 @@ fn looking_through_the_window_makes_less_noise() {
 }
 
 /// A room of gloss, of leaves that light shines through and of a sky that is not the same everywhere.
-fn furnished() -> Scene {
+pub(crate) fn furnished() -> Scene {
     let gradient =
         (0..12 * 6).map(|i| Vec3::new(3.0, 4.0, 6.0) * (0.2 + 0.1 * (i / 12) as f32 + 0.05 * (i % 12) as f32));
     let leaf = [[0.8, 0.2], [0.8, 1.0], [1.6, 1.0], [1.6, 0.2]].map(|[y, z]| Vec3::new(0.5, y, z));

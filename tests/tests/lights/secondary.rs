@@ -21,7 +21,7 @@ enum Bulb {
     Triangles,
 }
 
-/// The sides of a box, which face inwards; outwards with the corners exchanged.
+/// The sides of a box, which face outwards; inwards with the corners exchanged.
 pub(crate) fn hollow(low: Vec3, high: Vec3) -> Vec<[Vec3; 3]> {
     let corners = [low.x, high.x].map(|x| [low.y, high.y].map(|y| [low.z, high.z].map(|z| Vec3::new(x, y, z))));
     let [[[a, b], [c, d]], [[e, f], [g, h]]] = corners;

@@ -7,11 +7,12 @@
 //!
 //! What the camera sees through panes, and through panes in mirrors, is refracted by both faces as by other glass.
 
-use halfdome_kernel::{Ray, offset_point};
+use halfdome_kernel::{self as kernel, Ray, offset_point};
+use smallvec::SmallVec;
 
 use super::Advance;
 use crate::estimator::ShadowRay;
-use crate::integrator::path_block::{PathBlock, ShadowRays};
+use crate::integrator::path_block::{LANES, PathBlock, ShadowRays};
 use crate::integrator::state::Path;
 use crate::light::Receiver;
 use crate::world::{Next, Pane, chance, time_of};
@@ -23,7 +24,7 @@ impl Advance<'_, '_> {
     /// Takes bounces and aimed paths that have hit panes through them, or reflects them.
     #[inline(never)]
     pub(super) fn pass_panes(&mut self) {
-        let Some(panes) = self.world.panes() else { return };
+        let Some(glass) = self.world.panes() else { return };
         let mut waiting: Vec<usize> = (0..self.wave.paths.len()).collect();
         for _ in 0..MAX_PANES {
             waiting.retain(|&source| {
@@ -31,7 +32,7 @@ impl Advance<'_, '_> {
                 if !meets_panes(path) || !self.world.is_clear_glass(hit) {
                     return false;
                 }
-                let Next::Pane(pane) = panes.next(ray) else { return false };
+                let Next::Pane(pane) = glass.next(ray) else { return false };
                 let time = time_of(self.batch.times, path.index as usize);
                 let is_empty = pane.enters == pane.leaves || !self.world.occluded_at(&pane.inside(ray), time);
                 pane.enters == hit.t && is_empty && self.pass(source, &pane)
@@ -72,36 +73,42 @@ impl Advance<'_, '_> {
     /// Takes the shadow rays of a block through panes.
     #[inline(never)]
     pub(super) fn pass_shadows(&self, block: &PathBlock, shadows: &mut ShadowRays) {
-        let Some(panes) = self.world.panes() else { return };
+        let Some(glass) = self.world.panes() else { return };
         shadows.start_at_surfaces();
-        let (mut parts, mut times, mut paths) = (Vec::new(), Vec::new(), Vec::new());
-        for i in 0..block.len {
-            if !shadows.is_lit(i) {
-                continue;
-            }
-            let ray = shadows.ray(i);
+        let mut lit = SmallVec::<[usize; LANES]>::new();
+        lit.extend((0..block.len).filter(|&i| shadows.is_lit(i)));
+        let rays: SmallVec<[Ray; LANES]> = lit.iter().map(|&i| shadows.ray(i)).collect();
+        let mut hits = [kernel::Hit::MISS; LANES];
+        glass.intersect_many(&rays, &mut hits[..rays.len()]);
+        let mut before = Vec::new();
+        let (mut parts, mut times) = (Vec::new(), Vec::new());
+        for ((&i, ray), hit) in lit.iter().zip(&rays).zip(&hits).filter(|(_, hit)| hit.is_hit()) {
             let add = |part: Ray| {
                 parts.push(part);
                 times.push(time_of(self.batch.times, block.index(i)));
-                paths.push(i);
+                before.push(i);
             };
-            match panes.cross(&ray, add) {
-                Some((rest, _)) if rest.t_min == ray.t_min => {}
+            match glass.cross(ray, hit, add) {
                 Some((rest, transmittance)) => shadows.pass(i, rest.t_min, transmittance),
                 None => shadows.lose(i),
             }
         }
         let mut occluded = vec![false; parts.len()];
         self.world.occluded_many_at(&parts, &times, &mut occluded);
-        paths.iter().zip(occluded).filter(|(_, occluded)| *occluded).for_each(|(&i, _)| shadows.lose(i));
+        before.iter().zip(occluded).filter(|(_, occluded)| *occluded).for_each(|(&i, _)| shadows.lose(i));
     }
 
     /// Takes a shadow ray of path `i` through panes; whether it goes on.
     pub(super) fn pass_shadow(&self, block: &PathBlock, i: usize, shadow: &mut ShadowRay) -> bool {
-        let Some(panes) = self.world.panes() else { return true };
+        let Some(glass) = self.world.panes() else { return true };
+        let mut hits = [kernel::Hit::MISS];
+        glass.intersect_many(&[shadow.ray], &mut hits);
+        if !hits[0].is_hit() {
+            return true;
+        }
         let time = time_of(self.batch.times, block.index(i));
         let mut is_free = true;
-        let crossed = panes.cross(&shadow.ray, |part| is_free &= !self.world.occluded_at(&part, time));
+        let crossed = glass.cross(&shadow.ray, &hits[0], |part| is_free &= !self.world.occluded_at(&part, time));
         let Some((rest, transmittance)) = crossed.filter(|_| is_free) else { return false };
         (shadow.ray, shadow.radiance) = (rest, shadow.radiance * transmittance);
         true

@@ -22,9 +22,11 @@
 use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
+use smallvec::SmallVec;
 
 use super::super::{Surface, World};
 use super::chain::{ChainEnd, LightEnd, Reflection, refract};
+use super::photons::Starts;
 
 /// When a search gives up.
 #[derive(Clone, Copy)]
@@ -70,21 +72,21 @@ pub(crate) struct SpecularConnection {
 
 /// The refracted connections from a point to a light.
 #[derive(Default)]
-pub(crate) struct RefractedConnections([Option<SpecularConnection>; MAX_CONNECTIONS]);
+pub(crate) struct RefractedConnections(SmallVec<[SpecularConnection; MAX_CONNECTIONS]>);
 
 impl RefractedConnections {
     /// Each of them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &SpecularConnection> + Clone {
-        self.0.iter().flatten()
+        self.0.iter()
     }
 
     pub(crate) fn is_empty(&self) -> bool {
-        self.0[0].is_none()
+        self.0.is_empty()
     }
 
     fn add(&mut self, connection: SpecularConnection) {
-        if let Some(place) = self.0.iter_mut().find(|place| place.is_none()) {
-            *place = Some(connection);
+        if self.0.len() < MAX_CONNECTIONS {
+            self.0.push(connection);
         }
     }
 }
@@ -114,7 +116,9 @@ impl World {
         straight: Option<Vec3>,
     ) -> RefractedConnections {
         let mut found = RefractedConnections::default();
-        for start in self.specular.refracted.starts(light, from.position).iter() {
+        let mut starts = Starts::default();
+        self.specular.refracted.find_starts(light, from.position, &mut starts);
+        for start in starts.iter() {
             if let Some(connection) = self.connection_near(from, (end, None), start.direction, FROM_PHOTON)
                 && straight.is_none_or(|straight| !connection.is_along(straight))
                 && !found.iter().any(|other| connection.is_along(other.direction))

@@ -8,7 +8,7 @@
 //!
 //! Deviations: a pane does not offset light sideways; films and coats reflect nothing.
 
-pub(in crate::world) mod tree;
+pub(in crate::world) mod glass_tree;
 
 use glam::Vec3;
 use halfdome_kernel::Ray;
@@ -41,7 +41,7 @@ impl World {
     #[inline(never)]
     pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
         let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
-        if !self.specular.may_meet(shadow) {
+        if !self.specular.may_meet(shadow) || self.specular.misses_glass(shadow) {
             return Between::NoGlass;
         }
         for index in 0..MAX_FACES {

@@ -21,6 +21,7 @@ mod cells;
 mod send;
 
 use glam::{Mat2, Vec2, Vec3};
+use smallvec::SmallVec;
 
 use self::cells::Cells;
 use super::chain::Reflection;
@@ -84,11 +85,9 @@ pub(crate) struct Start {
     off: f32,
 }
 
-/// The starts for a point.
-pub(crate) struct Starts {
-    starts: [Start; MAX_STARTS],
-    count: usize,
-}
+/// The starts for a point: memory that is not written before it is used, as most points have none.
+#[derive(Default)]
+pub(crate) struct Starts(SmallVec<[Start; MAX_STARTS]>);
 
 /// A light that may be reflected to a point.
 pub(crate) struct LightInMirrors<'w> {
@@ -157,13 +156,12 @@ impl Photons {
         self.lights.is_empty()
     }
 
-    /// The starts for a point of searches for the light of this index.
-    pub(super) fn starts(&self, light: u32, point: Vec3) -> Starts {
-        let mut starts = Starts::NONE;
+    /// Writes the starts for a point of searches for the light of this index.
+    pub(super) fn find_starts(&self, light: u32, point: Vec3, starts: &mut Starts) {
+        starts.0.clear();
         if let Ok(place) = self.lights.binary_search_by_key(&light, |(index, _)| *index) {
-            self.lights[place].1.find(point, 0.0, &mut starts);
+            self.lights[place].1.find(point, 0.0, starts);
         }
-        starts
     }
 }
 
@@ -195,48 +193,33 @@ impl LightInMirrors<'_> {
     /// `always`, a part in proportion to their strength.
     pub(crate) fn find_starts(&self, point: Vec3, always: f32, starts: &mut Starts) {
         let distance_squared = self.light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
-        starts.count = 0;
+        starts.0.clear();
         self.photons.find(point, self.roulette * always / distance_squared, starts);
-        let starts = &mut starts.starts[..starts.count];
+        let starts = &mut starts.0;
         starts.iter_mut().for_each(|start| start.strength *= distance_squared);
         starts.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     }
 }
 
 impl Starts {
-    pub(crate) const NONE: Self = Self {
-        starts: [Start {
-            direction: Vec3::ZERO,
-            reflection: None,
-            strength: 0.0,
-            sent: Vec3::ZERO,
-            spacing: 0.0,
-            off: 0.0,
-        }; MAX_STARTS],
-        count: 0,
-    };
-
     /// Each of them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Start> {
-        self.starts[..self.count].iter()
+        self.0.iter()
     }
 
     /// Adds a start, or puts it in the place of one that is farther from its light: of one beside it, or of the worst if
     /// there is no place left. It then counts as strong as the stronger of both.
     fn add(&mut self, start: Start) {
-        let kept = &mut self.starts[..self.count];
+        let kept = &mut self.0;
         let same = kept.iter().position(|other| start.is_beside(other));
         let worst = || kept.iter().enumerate().max_by(|a, b| a.1.off.total_cmp(&b.1.off)).map(|(i, _)| i);
-        match same.or_else(|| if self.count == MAX_STARTS { worst() } else { None }) {
+        match same.or_else(|| if kept.len() == MAX_STARTS { worst() } else { None }) {
             Some(place) => {
                 let other = &mut kept[place];
                 let strength = start.strength.max(other.strength);
                 *other = Start { strength, ..if start.off < other.off { start } else { *other } };
             }
-            None => {
-                self.starts[self.count] = start;
-                self.count += 1;
-            }
+            None => kept.push(start),
         }
     }
 }

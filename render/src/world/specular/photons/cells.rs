@@ -325,12 +325,12 @@ mod tests {
     #[test]
     fn photons_are_found_within_their_footprints_if_they_are_strong_enough() {
         let cells = cells(200);
-        let mut starts = Starts::NONE;
+        let mut starts = Starts::default();
         let mut found = [0; 2];
         for photon in &cells.photons {
             let point = photon.origin - Vec3::Z;
             for (count, least) in found.iter_mut().zip([0.0, 1.0]) {
-                starts.count = 0;
+                starts.0.clear();
                 cells.find(point, least, &mut starts);
                 assert!(starts.iter().all(|start| start.strength >= least));
                 let is_there = starts.iter().any(|start| start.sent.distance(photon.sent.at) <= start.spacing);

@@ -1,5 +1,5 @@
-//! Panes that stand still, in a tree of their own: which does a ray cross on its straight way, and what is left of its
-//! light?
+//! Glass that stands still, in a tree of its own: which panes does a ray cross on its straight way, and what is left of
+//! its light?
 //!
 //! A pane is a thin wall, or two parallel flat faces of one solid, of smooth glass and nothing else. With the
 //! reflectances `F` and `G` of its faces and the transmittance `a` between them, all inner reflections summed,
@@ -23,12 +23,12 @@ use crate::world::TriangleRecord;
 /// The greatest offset by a pane, relative to the distance to it.
 const MAX_OFFSET: f32 = 0.03;
 
-/// The faces of panes, and a tree of them.
+/// Triangles of glass, and a tree of them.
 #[derive(Debug)]
-pub(crate) struct PaneTree {
+pub(crate) struct GlassTree {
     tree: Bvh,
-    /// By triangle of the tree.
-    faces: Vec<PaneFace>,
+    /// By triangle of the tree; those without are curved, rough, or more than glass.
+    faces: Vec<Option<PaneFace>>,
 }
 
 /// A flat triangle of clear glass.
@@ -63,7 +63,7 @@ pub(crate) struct Pane {
     pub reflectance: Vec3,
 }
 
-/// What a ray meets first of panes.
+/// What a ray meets first of glass.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Next {
     Nothing,
@@ -72,23 +72,25 @@ pub(crate) enum Next {
     Bends,
 }
 
-impl PaneTree {
-    /// The panes among the triangles of `records`, of which the first have these `corners`; `None` if there are none.
+impl GlassTree {
+    /// The glass among the triangles of `records`, of which the first have these `corners`; `None` if there is none.
     pub(in crate::world) fn new(
         (meshes, first_faces): (&[Mesh], &[u32]),
         materials: &[Material],
         (records, corners): (&[TriangleRecord], &[Triangle]),
         options: &BuildOptions,
     ) -> Result<Option<Self>, Error> {
+        let is_glass: Vec<bool> = materials.iter().map(|it| it.is_glass() && !it.has_holes()).collect();
         let glasses: Vec<_> = materials.iter().map(ClearGlass::of).collect();
         let (mut faces, mut placed) = (Vec::new(), Vec::new());
         for (prim, (record, corners)) in records.iter().zip(corners).enumerate() {
             let mesh = &meshes[record.mesh as usize];
-            let face = prim - first_faces[record.mesh as usize] as usize;
-            if let Some(glass) = glasses[record.material as usize].filter(|_| mesh.colors.is_empty())
-                && let Some(front) = flat_front(record, mesh, face)
-            {
-                faces.push(PaneFace { front, material: record.material, glass });
+            // The alpha of vertices may make holes.
+            if is_glass[record.material as usize] && mesh.colors.is_empty() {
+                let face = prim - first_faces[record.mesh as usize] as usize;
+                let (front, glass) = (flat_front(record, mesh, face), glasses[record.material as usize]);
+                let face = front.zip(glass).map(|(front, glass)| PaneFace { front, material: record.material, glass });
+                faces.push(face);
                 placed.push(*corners);
             }
         }
@@ -99,9 +101,34 @@ impl PaneTree {
         Ok(Some(Self { tree, faces }))
     }
 
-    /// What a ray meets first of panes, whatever else is in its way.
+    /// The number of its triangles.
+    pub(in crate::world) fn count(&self) -> usize {
+        self.faces.len()
+    }
+
+    /// Whether any of them may be a pane's.
+    pub(crate) fn has_panes(&self) -> bool {
+        self.faces.iter().any(Option::is_some)
+    }
+
+    /// Whether a ray meets any glass.
+    pub(crate) fn is_met(&self, ray: &Ray) -> bool {
+        self.tree.view().occluded(ray)
+    }
+
+    /// The nearest glass along each of some rays.
+    pub(crate) fn intersect_many(&self, rays: &[Ray], hits: &mut [Hit]) {
+        self.tree.view().intersect_many(rays, hits);
+    }
+
+    /// What a ray meets first of glass, whatever else is in its way.
     pub(crate) fn next(&self, ray: &Ray) -> Next {
-        let Some((entry, face)) = self.face(ray) else { return Next::Nothing };
+        self.tree.view().intersect(ray).map_or(Next::Nothing, |entry| self.next_at(ray, &entry))
+    }
+
+    /// The same where the nearest glass is known.
+    fn next_at(&self, ray: &Ray, entry: &Hit) -> Next {
+        let Some(face) = &self.faces[entry.prim_id as usize] else { return Next::Bends };
         let length = ray.direction.length();
         let along = face.front.dot(ray.direction) / length;
         let glass = &face.glass;
@@ -117,9 +144,13 @@ impl PaneTree {
                 reflectance: 2.0 * reflected / (1.0 + reflected),
             });
         }
-        let Some((exit, behind)) = self.face(&Ray { t_min: entry.t.next_up(), ..*ray }).filter(|_| along < 0.0) else {
+        if along > 0.0 {
+            return Next::Bends;
+        }
+        let Some(exit) = self.tree.view().intersect(&Ray { t_min: entry.t.next_up(), ..*ray }) else {
             return Next::Bends;
         };
+        let Some(behind) = &self.faces[exit.prim_id as usize] else { return Next::Bends };
         if behind.material != face.material || behind.front.dot(face.front) > -MIN_PARALLEL_COS {
             return Next::Bends;
         }
@@ -141,12 +172,13 @@ impl PaneTree {
         })
     }
 
-    /// Takes a shadow ray through all panes on its way: the part of it behind them, and their transmittance; `None` if
-    /// glass bends it. `before` is shown the parts of the ray before and inside of panes.
-    pub(crate) fn cross(&self, shadow: &Ray, mut before: impl FnMut(Ray)) -> Option<(Ray, Vec3)> {
+    /// Takes a shadow ray, whose nearest glass is known, through all panes on its way: the part of it behind them, and
+    /// their transmittance; `None` if glass bends it. `before` is shown the parts of the ray before and inside of panes.
+    pub(crate) fn cross(&self, shadow: &Ray, first: &Hit, mut before: impl FnMut(Ray)) -> Option<(Ray, Vec3)> {
         let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
+        let mut next = self.next_at(shadow, first);
         for _ in 0..MAX_FACES {
-            let pane = match self.next(&ray) {
+            let pane = match next {
                 Next::Nothing => return Some((ray, transmittance)),
                 Next::Pane(pane) => pane,
                 Next::Bends => return None,
@@ -157,14 +189,9 @@ impl PaneTree {
             }
             transmittance *= pane.transmittance;
             ray.t_min = pane.leaves.next_up();
+            next = self.next(&ray);
         }
         None
-    }
-
-    /// The nearest face along a ray.
-    fn face(&self, ray: &Ray) -> Option<(Hit, &PaneFace)> {
-        let hit = self.tree.view().intersect(ray)?;
-        Some((hit, &self.faces[hit.prim_id as usize]))
     }
 }
 
@@ -198,3 +225,6 @@ fn flat_front(record: &TriangleRecord, mesh: &Mesh, face: usize) -> Option<Vec3>
     let front = side * record.normal;
     normals.iter().all(|normal| front.dot(*normal) > MIN_PARALLEL_COS).then_some(front)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,204 @@
+//! Light through panes, which paths and light samples cross straight: against integrals of Fresnel's equations, and
+//! against bounces alone.
+
+use std::f64::consts::PI;
+
+use glam::{DVec3, Vec3};
+use halfdome::material::Inputs;
+use halfdome::scene::{CameraPose, Material, Scene, Sky, SkyPicture};
+use halfdome::settings::{Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings, Stop, Survival};
+use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+
+use crate::openings::{LOW, WINDOW, furnished};
+use crate::secondary::{hollow, picture};
+use crate::{SIZE, check_settings, expected, plane, settings, square};
+
+const IOR: f64 = 1.5;
+const TINT: Vec3 = Vec3::new(0.9, 0.8, 0.6);
+const ABSORPTION: Vec3 = Vec3::new(1.0, 4.0, 10.0);
+const THICKNESS: f32 = 0.02;
+
+fn glass(thin_walled: bool) -> Material {
+    let inputs = Inputs {
+        specular_weight: 1.0,
+        specular_roughness: 0.0,
+        specular_ior: IOR as f32,
+        transmission_weight: 1.0,
+        transmission_color: TINT,
+        absorption: if thin_walled { Vec3::ZERO } else { ABSORPTION },
+        thin_walled,
+        ..Inputs::default()
+    };
+    Material { inputs, ..Material::default() }
+}
+
+/// What a pane lets through at an angle.
+fn transmittance(thin_walled: bool, cos: f64) -> DVec3 {
+    let inside = (1.0 - (1.0 - cos * cos) / (IOR * IOR)).sqrt();
+    let [s, p] = [(cos - IOR * inside) / (cos + IOR * inside), (IOR * cos - inside) / (IOR * cos + inside)];
+    let f = 0.5 * (s * s + p * p);
+    let tint = TINT.as_dvec3();
+    if thin_walled {
+        return tint * ((1.0 - f) / (1.0 + f));
+    }
+    let a = (-f64::from(THICKNESS) / inside * ABSORPTION.as_dvec3()).exp();
+    tint * tint * a * (1.0 - f).powi(2) / (1.0 - f * f * a * a)
+}
+
+/// A plane below a pane at the height 2, both so large that nothing comes from beside them.
+fn below_a_pane(thin_walled: bool, reflectance: f32) -> Scene {
+    let [low, high] = [2.0, 2.0 + THICKNESS].map(|y| square(2000.0, y));
+    let pane = if thin_walled { low.into() } else { [flipped(&low), high.into()].concat() };
+    Scene {
+        meshes: vec![mesh(&square(2000.0, 0.0), 0), mesh(&pane, 1)],
+        materials: vec![material(Vec3::splat(reflectance), Vec3::ZERO), glass(thin_walled)],
+        ..plane()
+    }
+}
+
+fn flipped(triangles: &[[Vec3; 3]]) -> Vec<[Vec3; 3]> {
+    triangles.iter().map(|&[a, b, c]| [a, c, b]).collect()
+}
+
+fn path(lights: LightSampling) -> Settings {
+    Settings { integrator: Integrator::Path(PathOptions { lights, ..PathOptions::default() }), ..settings() }
+}
+
+const ALL: [LightSampling; 3] = [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis];
+
+#[test]
+fn the_sky_behind_a_pane_lights_by_fresnels_equations() {
+    const STEPS: u32 = 4000;
+    for thin_walled in [true, false] {
+        // Dark, as the pane sends back a part of what the plane reflects.
+        let mut scene = below_a_pane(thin_walled, 0.01);
+        let sum: DVec3 = (0..STEPS)
+            .map(|i| ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt())
+            .map(|cos| transmittance(thin_walled, cos))
+            .sum();
+        let expected = expected(&scene, 0.0, |_| 0.01 * sum / f64::from(STEPS));
+        let picture = SkyPicture::new(6, 4, vec![Vec3::ONE; 24]);
+        for sky in [Sky::constant(Vec3::ONE), Sky { radiance: Vec3::ZERO, picture: Some(picture) }] {
+            scene.sky = sky;
+            for lights in ALL {
+                check_settings(&scene, &path(lights), &expected, 0.1);
+            }
+        }
+    }
+}
+
+/// Of a small lamp the integral is the formula of a point's.
+#[test]
+fn a_lamp_behind_a_pane_lights_by_fresnels_equations() {
+    let (half, at) = (0.05f32, Vec3::new(0.5, 4.0, 0.5));
+    for thin_walled in [true, false] {
+        let mut scene = below_a_pane(thin_walled, 0.01);
+        scene.materials.push(material(Vec3::ZERO, Vec3::splat(1000.0)));
+        let lamp = flipped(&square(half, 0.0)).iter().map(|face| face.map(|corner| at + corner)).collect::<Vec<_>>();
+        scene.meshes.push(mesh(&lamp, 2));
+        let expected = expected(&scene, 0.0, |point| {
+            let way = at.as_dvec3() - point;
+            let cos = way.y / way.length();
+            let irradiance = 1000.0 * 4.0 * f64::from(half * half) * cos * cos / way.length_squared();
+            0.01 / PI * irradiance * transmittance(thin_walled, cos)
+        });
+        for lights in [LightSampling::Direct, LightSampling::Mis] {
+            check_settings(&scene, &path(lights), &expected, 0.1);
+        }
+    }
+}
+
+/// A sheet within a pane keeps all light off, wherever light samples and bounces look.
+#[test]
+fn a_sheet_within_a_pane_lets_nothing_through() {
+    let mut scene = below_a_pane(false, 0.5);
+    scene.meshes.push(mesh(&square(1990.0, 2.0 + 0.5 * THICKNESS), 2));
+    scene.meshes.push(mesh(&flipped(&square(1.0, 4.0)), 3));
+    scene.materials.extend([material(Vec3::ZERO, Vec3::ZERO), material(Vec3::ZERO, Vec3::ONE)]);
+    // Rays leave the edges nearly level.
+    let mut walls = hollow(Vec3::new(-1980.0, -1.0, -1980.0), Vec3::new(1980.0, 9.0, 1980.0));
+    walls.retain(|wall| wall.iter().any(|corner| corner.y < 9.0));
+    scene.meshes.push(mesh(&walls, 2));
+    scene.sky = Sky { radiance: Vec3::ZERO, picture: Some(SkyPicture::new(6, 4, vec![Vec3::ONE; 24])) };
+    for lights in ALL {
+        let picture = pixels(&render(&scene, &path(lights)));
+        assert!(picture.iter().all(|&pixel| pixel == DVec3::ZERO), "{lights:?}");
+    }
+}
+
+/// The furnished room with a pane in its window, a lamp before the window and one inside.
+fn glazed(thin_walled: bool) -> Scene {
+    let mut scene = furnished();
+    let [low, high] = WINDOW;
+    let first = scene.materials.len();
+    let glazing = if thin_walled {
+        quad([low, [low[0], high[1]], high, [high[0], low[1]]].map(|[y, z]| Vec3::new(2.5, y, z))).to_vec()
+    } else {
+        hollow(Vec3::new(2.49, low[0], low[1]), Vec3::new(2.5, high[0], high[1]))
+    };
+    scene.meshes.push(mesh(&glazing, first));
+    scene.meshes.push(mesh(&hollow(Vec3::new(3.5, 1.5, 0.8), Vec3::new(3.7, 1.7, 1.0)), first + 1));
+    scene.meshes.push(mesh(&hollow(LOW + Vec3::new(0.3, 0.5, 0.3), LOW + Vec3::new(0.5, 0.7, 0.5)), first + 2));
+    let lamps = [Vec3::new(20.0, 10.0, 5.0), Vec3::new(0.5, 1.0, 2.0)];
+    scene.materials.push(glass(thin_walled));
+    scene.materials.extend(lamps.map(|emission| material(Vec3::splat(0.2), emission)));
+    scene
+}
+
+#[test]
+fn going_straight_through_panes_changes_nothing_but_noise() {
+    for thin_walled in [true, false] {
+        let scene = glazed(thin_walled);
+        let (alone, noise_alone) = picture(&scene, LightSampling::Naive, &Stop::Depth, 512);
+        for lights in [LightSampling::Mis, LightSampling::Direct] {
+            let (found, noise) = picture(&scene, lights, &Stop::Depth, 64);
+            let z = found.z(&alone, 0.0);
+            assert!(z.max_element() < 4.0, "{lights:?}: {} and {}: {z}", found.mean, alone.mean);
+            let ratio = 8.0 * noise_alone / noise;
+            assert!(ratio > 3.0, "{lights:?}: {ratio} times the variance by bounces alone");
+        }
+    }
+}
+
+/// The gathers of the integrator without paths refract light at both faces.
+#[test]
+fn going_straight_through_panes_is_as_bright_as_refraction() {
+    let mut scene = glazed(false);
+    // No gloss: that integrator follows it otherwise.
+    scene.materials[1] = material(Vec3::new(0.4, 0.3, 0.2), Vec3::ZERO);
+    scene.camera = Some(CameraPose { vfov: 50.0, ..scene.camera.unwrap() });
+    let mean = |integrator: Integrator, spp: u32| {
+        let runs: Vec<DVec3> = (0..8)
+            .map(|seed| {
+                let settings =
+                    Settings { width: 20, height: 20, spp, seed, integrator: integrator.clone(), ..settings() };
+                let pixels = pixels(&render(&scene, &settings));
+                pixels.iter().sum::<DVec3>() / pixels.len() as f64
+            })
+            .collect();
+        Estimate::of(&runs)
+    };
+    let straight = mean(Integrator::Path(PathOptions::default()), 512);
+    let tail = Some(Survival::THROUGHPUT);
+    let options = MonteCarloOptions { bounces: 1, rays: 64, tail, ..MonteCarloOptions::default() };
+    let refracted = mean(Integrator::MonteCarlo(options), 64);
+    let z = straight.z(&refracted, 0.0);
+    assert!(z.max_element() < 4.0, "{} and {}: {z}", straight.mean, refracted.mean);
+}
+
+/// Without absorption and tint a pane keeps nothing: what it does not let through it reflects.
+#[test]
+fn below_a_pane_in_a_white_furnace_all_is_white() {
+    for thin_walled in [true, false] {
+        let mut scene = below_a_pane(thin_walled, 1.0);
+        scene.materials[1].inputs.transmission_color = Vec3::ONE;
+        scene.materials[1].inputs.absorption = Vec3::ZERO;
+        let picture = SkyPicture::new(6, 4, vec![Vec3::ONE; 24]);
+        for sky in [Sky::constant(Vec3::ONE), Sky { radiance: Vec3::ZERO, picture: Some(picture) }] {
+            scene.sky = sky;
+            for lights in ALL {
+                check_settings(&scene, &path(lights), &[DVec3::ONE; (SIZE.0 * SIZE.1) as usize], 0.1);
+            }
+        }
+    }
+}
