@@ -27,9 +27,9 @@ use clap::Parser;
 /// Our own scene.
 const CORNELL: &str = "cornell";
 /// Those that are made in Blender.
-const MODELS: [&str; 14] = [
-    "yard", "bulbs", "window", "hdri", "interior", "ajar", "street", "loft", "shop", "lounge", "chapel", "studio",
-    "market", "bath",
+const MODELS: [&str; 15] = [
+    "yard", "bulbs", "window", "glazed", "hdri", "interior", "ajar", "street", "loft", "shop", "lounge", "chapel",
+    "studio", "market", "bath",
 ];
 /// Seeds of the reference's halves, which no round has.
 const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
@@ -37,7 +37,7 @@ const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
 /// Compares our path tracer with other renderers.
 #[derive(Parser)]
 struct Options {
-    /// What to render: cornell, yard, bulbs, window, hdri, interior, ajar, street, loft, shop, lounge, chapel, studio,
+    /// What to render: cornell, yard, bulbs, window, glazed, hdri, interior, ajar, street, loft, shop, lounge, chapel, studio,
     /// market, bath
     #[arg(value_name = "SCENE", default_values_t = [CORNELL.to_owned()], value_parser = known)]
     scenes: Vec<String>,
