@@ -114,8 +114,8 @@ pub(crate) struct Wavefront {
     u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,
     pub(super) shadow_queue: ShadowQueue,
-    /// The number of rays that were traced again.
-    traced_again: u64,
+    /// The number of rays that were traced in between, for paths and shadow rays at panes.
+    pub(super) traced_at_panes: u64,
 }
 
 /// Sets of random numbers that a path uses at a surface: on the light, for the next direction, and for going on.
@@ -182,7 +182,7 @@ impl Wavefront {
             world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
             traced += self.rays.len() as u64;
         }
-        traced + std::mem::take(&mut self.traced_again)
+        traced + std::mem::take(&mut self.traced_at_panes)
     }
 
     /// Traces the rays of these paths again.
@@ -195,7 +195,7 @@ impl Wavefront {
         let mut hits = vec![Hit::MISS; rays.len()];
         world.intersect_many_at(&rays, &times, &mut hits);
         sources.iter().zip(hits).for_each(|(&source, hit)| self.hits[source] = hit);
-        self.traced_again += rays.len() as u64;
+        self.traced_at_panes += rays.len() as u64;
     }
 
     /// Starts a path with each camera ray, in the memory of the paths before.

@@ -48,8 +48,6 @@ pub(super) struct Specular {
     /// Those that stand still, and whether these are all.
     glass: Option<GlassTree>,
     is_all_glass_still: bool,
-    /// Whether any of those may be a pane.
-    has_panes: bool,
     /// Light that is refracted, and light that is reflected once.
     refracted: Photons,
     reflected: Photons,
@@ -70,7 +68,6 @@ impl Specular {
             bounds: Aabb::EMPTY,
             glass: None,
             is_all_glass_still: false,
-            has_panes: false,
             refracted: Photons::default(),
             reflected: Photons::default(),
         };
@@ -94,7 +91,6 @@ impl Specular {
     /// Adds the glass that stands still, of this number of triangles of glass.
     pub(super) fn set_glass(&mut self, glass: Option<GlassTree>, all: usize) {
         self.is_all_glass_still = glass.as_ref().map_or(0, GlassTree::count) == all;
-        self.has_panes = glass.as_ref().is_some_and(GlassTree::has_panes);
         self.glass = glass;
     }
 
@@ -172,7 +168,7 @@ impl World {
     /// The glass among which are panes, through which light samples and bounces go straight.
     #[inline(always)]
     pub(crate) fn panes(&self) -> Option<&GlassTree> {
-        self.specular.glass.as_ref().filter(|_| self.specular.has_panes)
+        self.specular.glass.as_ref().filter(|glass| glass.has_panes)
     }
 
     /// Whether there are mirrors that show lights to other surfaces.

@@ -33,15 +33,21 @@ impl Advance<'_, '_> {
                     return false;
                 }
                 let Next::Pane(pane) = glass.next(ray) else { return false };
-                let time = time_of(self.batch.times, path.index as usize);
-                let is_empty = pane.enters == pane.leaves || !self.world.occluded_at(&pane.inside(ray), time);
-                pane.enters == hit.t && is_empty && self.pass(source, &pane)
+                let (is_first_hit, time) = (pane.enters == hit.t, time_of(self.batch.times, path.index as usize));
+                let inside = pane.inside(ray);
+                is_first_hit && (pane.enters == pane.leaves || self.is_free(&inside, time)) && self.pass(source, &pane)
             });
             if waiting.is_empty() {
                 return;
             }
             self.wave.trace_again(self.world, self.batch.times, &waiting);
         }
+    }
+
+    /// Whether a part of a ray at a pane hits nothing.
+    fn is_free(&mut self, part: &Ray, time: f32) -> bool {
+        self.wave.traced_at_panes += 1;
+        !self.world.occluded_at(part, time)
     }
 
     /// Takes a path through a pane, or reflects it; whether it goes on.
@@ -72,7 +78,7 @@ impl Advance<'_, '_> {
 
     /// Takes the shadow rays of a block through panes.
     #[inline(never)]
-    pub(super) fn pass_shadows(&self, block: &PathBlock, shadows: &mut ShadowRays) {
+    pub(super) fn pass_shadows(&mut self, block: &PathBlock, shadows: &mut ShadowRays) {
         let Some(glass) = self.world.panes() else { return };
         shadows.start_at_surfaces();
         let mut lit = SmallVec::<[usize; LANES]>::new();
@@ -95,11 +101,12 @@ impl Advance<'_, '_> {
         }
         let mut occluded = vec![false; parts.len()];
         self.world.occluded_many_at(&parts, &times, &mut occluded);
+        self.wave.traced_at_panes += parts.len() as u64;
         before.iter().zip(occluded).filter(|(_, occluded)| *occluded).for_each(|(&i, _)| shadows.lose(i));
     }
 
     /// Takes a shadow ray of path `i` through panes; whether it goes on.
-    pub(super) fn pass_shadow(&self, block: &PathBlock, i: usize, shadow: &mut ShadowRay) -> bool {
+    pub(super) fn pass_shadow(&mut self, block: &PathBlock, i: usize, shadow: &mut ShadowRay) -> bool {
         let Some(glass) = self.world.panes() else { return true };
         let mut hits = [kernel::Hit::MISS];
         glass.intersect_many(&[shadow.ray], &mut hits);
@@ -108,7 +115,7 @@ impl Advance<'_, '_> {
         }
         let time = time_of(self.batch.times, block.index(i));
         let mut is_free = true;
-        let crossed = glass.cross(&shadow.ray, &hits[0], |part| is_free &= !self.world.occluded_at(&part, time));
+        let crossed = glass.cross(&shadow.ray, &hits[0], |part| is_free &= self.is_free(&part, time));
         let Some((rest, transmittance)) = crossed.filter(|_| is_free) else { return false };
         (shadow.ray, shadow.radiance) = (rest, shadow.radiance * transmittance);
         true

@@ -29,6 +29,7 @@ pub(crate) struct GlassTree {
     tree: Bvh,
     /// By triangle of the tree; those without are curved, rough, or more than glass.
     faces: Vec<Option<PaneFace>>,
+    pub(in crate::world) has_panes: bool,
 }
 
 /// A flat triangle of clear glass.
@@ -98,7 +99,8 @@ impl GlassTree {
             return Ok(None);
         }
         let (tree, _) = Bvh::build(&placed, options)?;
-        Ok(Some(Self { tree, faces }))
+        let glass = Self { tree, faces, has_panes: false };
+        Ok(Some(Self { has_panes: glass.has_panes(&placed), ..glass }))
     }
 
     /// The number of its triangles.
@@ -106,9 +108,14 @@ impl GlassTree {
         self.faces.len()
     }
 
-    /// Whether any of them may be a pane's.
-    pub(crate) fn has_panes(&self) -> bool {
-        self.faces.iter().any(Option::is_some)
+    /// Whether any of them is a pane's: the surface of water is as flat, but nothing is parallel to it.
+    fn has_panes(&self, corners: &[Triangle]) -> bool {
+        self.faces.iter().zip(corners).any(|(face, [a, b, c])| {
+            let Some(PaneFace { front, .. }) = face else { return false };
+            let distance = 1e-3 * (*b - *a).length().max((*c - *a).length());
+            let ray = Ray::new((*a + *b + *c) / 3.0 + distance * *front, -*front);
+            matches!(self.next(&ray), Next::Pane(_))
+        })
     }
 
     /// Whether a ray meets any glass.

@@ -88,23 +88,23 @@ fn what_is_no_pane_bends() {
     let wedge = vec![square(1.0, false, 0), sloping_square(1.1, true, 0.06, 9.0, 0)];
     let others = vec![square(1.0, false, 0), square(1.01, true, 1)];
     // Of 0.2 m across, light is 6 cm off, 6% of the distance.
+    let far = |mut mesh: Mesh| {
+        mesh.positions.iter_mut().for_each(|corner| *corner -= Vec3::Z * 50.0);
+        mesh
+    };
+    let with_pane = |meshes: Vec<Mesh>| world(meshes.into_iter().chain(slab(0, 0.01).into_iter().map(far)).collect());
     for (meshes, angle) in [(wedge, 0.3), (others, 0.3), (vec![square(1.0, false, 0)], 0.3), (slab(0, 0.2), 0.8)] {
-        assert_eq!(next(&world(meshes), &slanted(angle)), Next::Bends);
+        assert_eq!(next(&with_pane(meshes), &slanted(angle)), Next::Bends);
     }
     // From within.
     let within = Ray::new(Vec3::Z * 1.005, Vec3::Z);
     assert_eq!(next(&world(slab(0, 0.01)), &within), Next::Bends);
     // Curved, rough and coated glass, beside a pane far away.
-    let far = |mut mesh: Mesh| {
-        mesh.positions.iter_mut().for_each(|corner| *corner -= Vec3::Z * 50.0);
-        mesh
-    };
     let mut sphere = ball([16, 32]);
     sphere.positions.iter_mut().for_each(|corner| *corner += Vec3::Z * 3.0);
     for meshes in [slab(3, 0.01), slab(4, 0.01), vec![sphere]] {
-        let alone = world(meshes.clone());
-        assert!(alone.panes().is_none());
-        let world = world(meshes.into_iter().chain(slab(0, 0.01).into_iter().map(far)).collect());
+        assert!(world(meshes.clone()).panes().is_none());
+        let world = with_pane(meshes);
         assert_eq!(next(&world, &slanted(0.1)), Next::Bends);
         assert_eq!(next(&world, &Ray::new(Vec3::ZERO, Vec3::X)), Next::Nothing);
     }
@@ -123,6 +123,15 @@ fn a_box_of_glass_is_a_pane() {
             assert!(pane.enters < pane.leaves && pane.normal.dot(ray.direction) < 0.0);
         }
     }
+}
+
+#[test]
+fn water_and_wedges_are_no_panes() {
+    let wedge = vec![square(1.0, false, 0), sloping_square(1.1, true, 0.06, 9.0, 0)];
+    for meshes in [vec![square(1.0, true, 0)], vec![square(1.0, false, 0)], wedge] {
+        assert!(world(meshes).panes().is_none());
+    }
+    assert!(world(slab(0, 0.01)).panes().is_some() && world(vec![square(1.0, false, 2)]).panes().is_some());
 }
 
 #[test]
