@@ -90,10 +90,7 @@ impl World {
         let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let placed = (&triangle_records[..still], &corners[..still]);
         let glass = GlassTree::new((&meshes, &first_faces), &materials, placed, options)?;
-        specular.set_glass(
-            glass,
-            triangle_records.iter().filter(|face| materials[face.material as usize].is_glass()).count(),
-        );
+        specular.set_glass(glass, &triangle_records);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {
             closures: materials.iter().map(|_| ClosureCell::new()).collect(),

@@ -88,9 +88,10 @@ impl Specular {
         specular
     }
 
-    /// Adds the glass that stands still, of this number of triangles of glass.
-    pub(super) fn set_glass(&mut self, glass: Option<GlassTree>, all: usize) {
-        self.is_all_glass_still = glass.as_ref().map_or(0, GlassTree::count) == all;
+    /// Adds the glass that stands still among all triangles.
+    pub(super) fn set_glass(&mut self, glass: Option<GlassTree>, all: &[TriangleRecord]) {
+        let transmits = |record: &&TriangleRecord| self.transmits.get(record.material as usize) == Some(&true);
+        self.is_all_glass_still = glass.as_ref().map_or(0, GlassTree::count) == all.iter().filter(transmits).count();
         self.glass = glass;
     }
 

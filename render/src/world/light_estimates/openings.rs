@@ -34,7 +34,8 @@ const CHUNK: usize = 4096;
 impl World {
     /// Tells the sky where it is seen.
     pub(crate) fn find_openings(&mut self, points: &SeenPoints) {
-        if self.lights.sky.mean() == Vec3::ZERO || points.escaped > MOST_OPEN {
+        let is_closed = points.escaped <= 0.0 && !self.has_clear_glass();
+        if self.lights.sky.mean() == Vec3::ZERO || is_closed || points.escaped > MOST_OPEN {
             return;
         }
         let surfaces: Vec<Surface> = points.all(self).filter(|surface| !surface.material.is_glass()).collect();

@@ -2,11 +2,11 @@
 //! its light?
 //!
 //! A pane is a thin wall, or two parallel flat faces of one solid, of smooth glass and nothing else. With the
-//! reflectances `F` and `G` of its faces and the transmittance `a` between them, all inner reflections summed,
+//! reflectance `F` of each face and the transmittance `a` between them, all inner reflections summed,
 //!
-//! `T = (1 - F)(1 - G) a / (1 - F G a²)`, `R = F + (1 - F)² G a² / (1 - F G a²)`.
+//! `T = (1 - F)² a / (1 - F² a²)`, `R = F + (1 - F)² F a² / (1 - F² a²)`,
 //!
-//! A thin wall has `a = 1`, and both faces reflect `F`.
+//! times the tint at each crossing of a face. A thin wall has `a = 1`.
 //!
 //! Deviations: a pane does not offset light sideways. Where the offset would be more than a few percent of the distance
 //! to the pane, the ray [`Bends`](Next::Bends).
@@ -82,6 +82,9 @@ impl GlassTree {
         options: &BuildOptions,
     ) -> Result<Option<Self>, Error> {
         let is_glass: Vec<bool> = materials.iter().map(|it| it.is_glass() && !it.has_holes()).collect();
+        if !is_glass.contains(&true) {
+            return Ok(None);
+        }
         let glasses: Vec<_> = materials.iter().map(ClearGlass::of).collect();
         let (mut faces, mut placed) = (Vec::new(), Vec::new());
         for (prim, (record, corners)) in records.iter().zip(corners).enumerate() {
