@@ -32,17 +32,27 @@ fn glass(thin_walled: bool) -> Material {
     Material { inputs, ..Material::default() }
 }
 
-/// What a pane lets through at an angle.
-fn transmittance(thin_walled: bool, cos: f64) -> DVec3 {
+/// What a pane lets through and what it reflects at an angle.
+fn parts(thin_walled: bool, cos: f64) -> [DVec3; 2] {
     let inside = (1.0 - (1.0 - cos * cos) / (IOR * IOR)).sqrt();
     let [s, p] = [(cos - IOR * inside) / (cos + IOR * inside), (IOR * cos - inside) / (IOR * cos + inside)];
     let f = 0.5 * (s * s + p * p);
     let tint = TINT.as_dvec3();
     if thin_walled {
-        return tint * ((1.0 - f) / (1.0 + f));
+        return [tint * ((1.0 - f) / (1.0 + f)), DVec3::splat(2.0 * f / (1.0 + f))];
     }
-    let a = (-f64::from(THICKNESS) / inside * ABSORPTION.as_dvec3()).exp();
-    tint * tint * a * (1.0 - f).powi(2) / (1.0 - f * f * a * a)
+    let a = tint * tint * (-f64::from(THICKNESS) / inside * ABSORPTION.as_dvec3()).exp();
+    // Tint and absorption are on the way in and out.
+    let inner = (1.0 - f).powi(2) / (1.0 - f * f * a * a / (tint * tint) / (tint * tint));
+    [a * inner, f + f * a * a / (tint * tint) * inner]
+}
+
+/// The means of both in all directions of a hemisphere, by the cosine.
+fn mean_parts(thin_walled: bool) -> [DVec3; 2] {
+    const STEPS: u32 = 4000;
+    let cosines = (0..STEPS).map(|i| ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt());
+    let all = cosines.map(|cos| parts(thin_walled, cos));
+    all.fold([DVec3::ZERO; 2], |[t, r], [dt, dr]| [t + dt, r + dr]).map(|sum| sum / f64::from(STEPS))
 }
 
 /// A plane below a pane at the height 2, both so large that nothing comes from beside them.
@@ -68,15 +78,11 @@ const ALL: [LightSampling; 3] = [LightSampling::Naive, LightSampling::Direct, Li
 
 #[test]
 fn the_sky_behind_a_pane_lights_by_fresnels_equations() {
-    const STEPS: u32 = 4000;
     for thin_walled in [true, false] {
         // Dark, as the pane sends back a part of what the plane reflects.
         let mut scene = below_a_pane(thin_walled, 0.01);
-        let sum: DVec3 = (0..STEPS)
-            .map(|i| ((f64::from(i) + 0.5) / f64::from(STEPS)).sqrt())
-            .map(|cos| transmittance(thin_walled, cos))
-            .sum();
-        let expected = expected(&scene, 0.0, |_| 0.01 * sum / f64::from(STEPS));
+        let [through, _] = mean_parts(thin_walled);
+        let expected = expected(&scene, 0.0, |_| 0.01 * through);
         let picture = SkyPicture::new(6, 4, vec![Vec3::ONE; 24]);
         for sky in [Sky::constant(Vec3::ONE), Sky { radiance: Vec3::ZERO, picture: Some(picture) }] {
             scene.sky = sky;
@@ -100,7 +106,7 @@ fn a_lamp_behind_a_pane_lights_by_fresnels_equations() {
             let way = at.as_dvec3() - point;
             let cos = way.y / way.length();
             let irradiance = 1000.0 * 4.0 * f64::from(half * half) * cos * cos / way.length_squared();
-            0.01 / PI * irradiance * transmittance(thin_walled, cos)
+            0.01 / PI * irradiance * parts(thin_walled, cos)[0]
         });
         for lights in [LightSampling::Direct, LightSampling::Mis] {
             check_settings(&scene, &path(lights), &expected, 0.1);
@@ -184,6 +190,20 @@ fn going_straight_through_panes_is_as_bright_as_refraction() {
     let refracted = mean(Integrator::MonteCarlo(options), 64);
     let z = straight.z(&refracted, 0.0);
     assert!(z.max_element() < 4.0, "{} and {}: {z}", straight.mean, refracted.mean);
+}
+
+/// A plane that glows sees itself in the pane: `L = 1 + ρ R L`.
+#[test]
+fn panes_reflect_what_is_below_by_fresnels_equations() {
+    for thin_walled in [true, false] {
+        let mut scene = below_a_pane(thin_walled, 0.0);
+        scene.materials[0] = material(Vec3::splat(0.5), Vec3::ONE);
+        let [_, back] = mean_parts(thin_walled);
+        let expected = vec![(1.0 - 0.5 * back).recip(); (SIZE.0 * SIZE.1) as usize];
+        for lights in ALL {
+            check_settings(&scene, &path(lights), &expected, 0.02);
+        }
+    }
 }
 
 /// Without absorption and tint a pane keeps nothing: what it does not let through it reflects.
