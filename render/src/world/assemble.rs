@@ -89,7 +89,7 @@ impl World {
         let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
         let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
         let placed = (&triangle_records[..still], &corners[..still]);
-        let glass = GlassTree::new((&meshes, &first_faces), &materials, placed, options)?;
+        let glass = GlassTree::new((&meshes, &first_faces), &materials, placed, (executor, options))?;
         specular.set_glass(glass, &triangle_records);
         let has_closures = meshes.iter().any(|mesh| kinds[mesh.material] != Kind::Matte);
         let mut world = Self {

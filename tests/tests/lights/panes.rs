@@ -132,6 +132,20 @@ fn a_sheet_within_a_pane_lets_nothing_through() {
     }
 }
 
+/// Glass that neither reflects nor lets anything through, in lights of all kinds.
+#[test]
+fn a_pane_that_takes_all_light_is_black() {
+    for thin_walled in [true, false] {
+        let mut scene = below_a_pane(thin_walled, 0.5);
+        (scene.materials[1].inputs.specular_weight, scene.materials[1].inputs.transmission_color) = (0.0, Vec3::ZERO);
+        scene.sky = Sky::constant(Vec3::ONE);
+        for lights in ALL {
+            let picture = pixels(&render(&scene, &path(lights)));
+            assert!(picture.iter().all(|&pixel| pixel == DVec3::ZERO), "{lights:?}: {picture:?}");
+        }
+    }
+}
+
 /// The furnished room with a pane in its window, a lamp before the window and one inside.
 fn glazed(thin_walled: bool) -> Scene {
     let mut scene = furnished();

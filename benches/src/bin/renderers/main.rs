@@ -37,8 +37,8 @@ const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
 /// Compares our path tracer with other renderers.
 #[derive(Parser)]
 struct Options {
-    /// What to render: cornell, yard, bulbs, window, glazed, hdri, interior, ajar, street, loft, shop, lounge, chapel, studio,
-    /// market, bath
+    /// What to render: cornell, yard, bulbs, window, glazed, hdri, interior, ajar, street, loft, shop, lounge, chapel,
+    /// studio, market, bath
     #[arg(value_name = "SCENE", default_values_t = [CORNELL.to_owned()], value_parser = known)]
     scenes: Vec<String>,
     /// Samples a pixel [default: 64 for cornell, else 16]

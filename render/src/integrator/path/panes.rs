@@ -7,6 +7,7 @@
 //!
 //! What the camera sees through panes, and through panes in mirrors, is refracted by both faces as by other glass.
 
+use glam::Vec3;
 use halfdome_kernel::{self as kernel, Ray, offset_point};
 use smallvec::SmallVec;
 
@@ -56,6 +57,10 @@ impl Advance<'_, '_> {
         let (path, ray, hit) = (&mut self.wave.paths[source], &mut self.wave.rays[source], &self.wave.hits[source]);
         let Pane { leaves, normal, transmittance, reflectance, .. } = *pane;
         let [through, back] = [transmittance, reflectance].map(|part| part.max_element());
+        if through + back <= 0.0 {
+            path.throughput = Vec3::ZERO;
+            return false;
+        }
         let probability = through / (through + back);
         if path.is_aimed() || chance(ray, hit) < probability {
             // From the same origin, so that distances stay those of light samples.

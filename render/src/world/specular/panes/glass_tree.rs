@@ -12,7 +12,7 @@
 //! to the pane, the ray [`Bends`](Next::Bends).
 
 use glam::Vec3;
-use halfdome_kernel::{BuildOptions, Bvh, Error, Hit, Ray, Triangle};
+use halfdome_kernel::{BuildOptions, Bvh, Error, Executor, Hit, Ray, Triangle};
 
 use super::super::MAX_FACES;
 use super::MIN_PARALLEL_COS;
@@ -75,11 +75,11 @@ pub(crate) enum Next {
 
 impl GlassTree {
     /// The glass among the triangles of `records`, of which the first have these `corners`; `None` if there is none.
-    pub(in crate::world) fn new(
+    pub(in crate::world) fn new<E: Executor>(
         (meshes, first_faces): (&[Mesh], &[u32]),
         materials: &[Material],
         (records, corners): (&[TriangleRecord], &[Triangle]),
-        options: &BuildOptions,
+        (executor, options): (&E, &BuildOptions),
     ) -> Result<Option<Self>, Error> {
         let is_glass: Vec<bool> = materials.iter().map(|it| it.is_glass() && !it.has_holes()).collect();
         if !is_glass.contains(&true) {
@@ -101,7 +101,7 @@ impl GlassTree {
         if faces.is_empty() {
             return Ok(None);
         }
-        let (tree, _) = Bvh::build(&placed, options)?;
+        let (tree, _) = Bvh::build_on(executor, &placed, options)?;
         let glass = Self { tree, faces, has_panes: false };
         Ok(Some(Self { has_panes: glass.has_panes(&placed), ..glass }))
     }
@@ -154,7 +154,8 @@ impl GlassTree {
                 reflectance: 2.0 * reflected / (1.0 + reflected),
             });
         }
-        if along > 0.0 {
+        // From within, or along the face, which lets nothing through.
+        if along > 0.0 || f >= 1.0 {
             return Next::Bends;
         }
         let Some(exit) = self.tree.view().intersect(&Ray { t_min: entry.t.next_up(), ..*ray }) else {
