@@ -4,10 +4,12 @@
 use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
+use halfdome::driver;
 use halfdome::material::Inputs;
 use halfdome::scene::{CameraPose, Material, Scene, Sky, SkyPicture};
 use halfdome::settings::{Integrator, LightSampling, MonteCarloOptions, PathOptions, Settings, Stop, Survival};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome::world::World;
+use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad, render};
 
 use crate::openings::{LOW, WINDOW, furnished};
 use crate::secondary::{hollow, picture};
@@ -140,8 +142,9 @@ fn a_pane_that_takes_all_light_is_black() {
         (scene.materials[1].inputs.specular_weight, scene.materials[1].inputs.transmission_color) = (0.0, Vec3::ZERO);
         scene.sky = Sky::constant(Vec3::ONE);
         for lights in ALL {
-            let picture = pixels(&render(&scene, &path(lights)));
-            assert!(picture.iter().all(|&pixel| pixel == DVec3::ZERO), "{lights:?}: {picture:?}");
+            let render = driver::render(&World::new(scene.clone()).unwrap(), &path(lights), &NeverStops);
+            assert!(pixels(&render.picture).iter().all(|&pixel| pixel == DVec3::ZERO), "{lights:?}");
+            assert_eq!(render.film.bad_samples().count, 0, "{lights:?}");
         }
     }
 }
