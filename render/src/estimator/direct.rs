@@ -52,7 +52,7 @@ pub(crate) struct LightSample {
 
 /// Samples direct light at a point of a surface whose normals face the viewer: a light, and light that mirrors reflect; none
 /// of what is not scattered. The first of the numbers in [0, 1) chooses the light, and its remainder, with the second
-/// number, a point or a direction. Lights without a surface are sampled completely.
+/// number, a point or a direction. Lights without a surface are sampled completely. Light comes straight through panes.
 #[inline(always)]
 pub(crate) fn sample_direct(
     world: &World,
@@ -96,8 +96,15 @@ fn sample_one_light(
     let (scattered, bounce_density) = eval(light.direction);
     let inv_density = if light.is_punctual { 0.0 } else { light.inv_density };
     let radiance = scattered * light.radiance * lights.light_weight(inv_density, bounce_density);
-    let is_any = radiance.abs().cmpgt(Vec3::ZERO).any();
-    is_any.then_some(ShadowRay { ray: light.shadow, direction: light.direction, radiance })
+    if !radiance.abs().cmpgt(Vec3::ZERO).any() {
+        return None;
+    }
+    let (ray, transmittance) = match light.is_punctual {
+        // What glass there is on the way is known.
+        true => (light.shadow, Vec3::ONE),
+        false => world.through_panes(&light.shadow, surface.time)?,
+    };
+    Some(ShadowRay { ray, direction: light.direction, radiance: radiance * transmittance })
 }
 
 /// Samples the light that mirrors and glass reflect.

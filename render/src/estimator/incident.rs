@@ -14,7 +14,7 @@ use super::direct::{sample_direct, scattered_weight};
 use super::salts;
 use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
-use crate::world::{Hit, Surface, World};
+use crate::world::{Hit, MIDDLE, Surface, World};
 
 /// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
@@ -102,13 +102,14 @@ impl IncidentSampler {
         self.hits.resize(self.rays.len(), Hit::MISS);
         world.intersect_many(&self.rays, &mut self.hits);
         for ((ray, hit), (density, receiver)) in self.rays.iter().zip(&self.hits).zip(&self.scattered) {
+            let (hit, transmittance) = world.behind_panes(ray, hit, MIDDLE);
             if hit.is_hit() {
-                let emitter = world.surface_at(hit);
+                let emitter = world.surface_at(&hit);
                 let emitted = emitter.emitted(ray.direction);
                 if emitted != Vec3::ZERO {
-                    let weight = scattered_weight(world, receiver, *density, &emitter, ray, hit);
+                    let weight = scattered_weight(world, receiver, *density, &emitter, ray, &hit);
                     // Cosine over density is π.
-                    sink.add_light(ray.direction, share * PI * weight * emitted);
+                    sink.add_light(ray.direction, share * PI * weight * emitted * transmittance);
                 }
             }
         }

@@ -9,8 +9,12 @@ use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Between, Hit, Surface, World};
 
-/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there.
+/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there; of the first
+/// rays of a gather, whose points sample the sun, the sky without it.
 pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
+    if path.is_first() && path.density == 0.0 {
+        return world.lights.sky.ambient(direction);
+    }
     world.lights.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
 }
 

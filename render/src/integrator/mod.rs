@@ -13,6 +13,7 @@ mod heat_lights;
 mod light_paths;
 mod media;
 mod montecarlo;
+mod panes;
 mod path;
 mod path_block;
 mod path_tree;

@@ -15,6 +15,7 @@ use halfdome_kernel::sampling::{Sampler, unit_double};
 
 use super::emission::{emission, lights_on_the_way, sky};
 use super::media::{Arrival, Media};
+use super::panes::PathsAtPanes;
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
@@ -129,7 +130,21 @@ impl Generation {
             self.times.extend(self.nodes.iter().map(|node| times[node.path.index as usize]));
         }
         world.intersect_many_at(&self.rays, &self.times, &mut self.hits);
-        self.rays.len() as u64
+        let mut traced = self.rays.len() as u64;
+        let Self { nodes: paths, rays, hits, .. } = self;
+        for crossing in (PathsAtPanes { world, times, paths, rays, hits, traced: &mut traced }).pass() {
+            if let Some(distance) = crossing.mirrored {
+                let Node { path, media, .. } = &mut self.nodes[crossing.source];
+                path.throughput *= media.transmittance(world, distance);
+            }
+        }
+        traced
+    }
+}
+
+impl AsMut<Path> for Node {
+    fn as_mut(&mut self) -> &mut Path {
+        &mut self.path
     }
 }
 

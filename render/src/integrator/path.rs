@@ -164,7 +164,11 @@ impl Task for Steps<'_, '_> {
         let Self { mut step, scratch } = self;
         let Scratch { block, rays, glossy, transmissive, layered } = scratch;
         step.see_lights();
-        step.pass_panes();
+        for crossing in step.wave.pass_panes(step.world, step.batch.times) {
+            if crossing.mirrored.is_some() {
+                step.record_mirrored(crossing.source);
+            }
+        }
         if step.aims() {
             step.wave.lose_aimed();
         }

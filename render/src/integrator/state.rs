@@ -95,7 +95,7 @@ impl Path {
 
     /// The `normal` behind panes, whose straight light of lights of a size is known.
     pub(super) fn normal_behind_pane(&self) -> u32 {
-        self.normal & !Self::SEES_LIGHTS
+        if self.is_first() { self.normal } else { self.normal & !Self::SEES_LIGHTS }
     }
 
     /// The `normal` after a reflection by a mirror with this packed normal.
@@ -128,6 +128,12 @@ pub(super) fn survive(survival: Survival, reflected: Vec3) -> f32 {
         Survival::Constant(probability) => probability,
         Survival::Throughput { max } => reflected.max_element().min(max),
         Survival::RootThroughput => reflected.max_element().sqrt().min(1.0),
+    }
+}
+
+impl AsMut<Self> for Path {
+    fn as_mut(&mut self) -> &mut Self {
+        self
     }
 }
 

@@ -10,6 +10,7 @@ use halfdome_kernel::{Ray, Task};
 
 use super::RayBatch;
 use super::media::{Arrival, Media};
+use super::panes::{Crossing, PathsAtPanes};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
@@ -61,6 +62,7 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
 
     fn advance(&mut self, wave: &mut Wavefront, batch: &RayBatch, depth: u32, radiance: &mut [Vec3]) {
         wave.draw(self.world, batch, depth);
+        wave.note_crossings(self.world, batch.times);
         self.world.isa().run(Advance { world: self.world, wave, step: &mut self.step, radiance });
     }
 }
@@ -69,8 +71,10 @@ impl<S: VertexStep> WavefrontStep for ScalarSteps<'_, S> {
 pub(super) struct PathVertex<'a> {
     pub ray: &'a Ray,
     pub hit: &'a Hit,
-    /// The transmittance of solids on the way there; the path's throughput includes it.
+    /// The transmittance of solids and panes on the way there; the path's throughput includes it.
     pub transmittance: Vec3,
+    /// Whether a pane on the way has reflected the path, so that its density is infinite now.
+    pub is_mirrored: bool,
     /// The path's time.
     pub time: f32,
     pub numbers: Numbers,
@@ -114,6 +118,8 @@ pub(crate) struct Wavefront {
     u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,
     pub(super) shadow_queue: ShadowQueue,
+    /// What panes have done to each path on its way, and whether they have reflected it; empty if none has met any.
+    crossed: Vec<(Vec3, bool)>,
     /// The number of rays that were traced in between, for paths and shadow rays at panes.
     pub(super) traced_at_panes: u64,
 }
@@ -185,17 +191,32 @@ impl Wavefront {
         traced + std::mem::take(&mut self.traced_at_panes)
     }
 
-    /// Traces the rays of these paths again.
-    pub(super) fn trace_again(&mut self, world: &World, times: &[f32], sources: &[usize]) {
-        let rays: Vec<Ray> = sources.iter().map(|&source| self.rays[source]).collect();
-        let times: Vec<f32> = match times {
-            [] => Vec::new(),
-            times => sources.iter().map(|&source| times[self.paths[source].index as usize]).collect(),
-        };
-        let mut hits = vec![Hit::MISS; rays.len()];
-        world.intersect_many_at(&rays, &times, &mut hits);
-        sources.iter().zip(hits).for_each(|(&source, hit)| self.hits[source] = hit);
-        self.traced_at_panes += rays.len() as u64;
+    /// Takes bounces and aimed paths straight through panes, or reflects them; gives what has happened to them.
+    pub(super) fn pass_panes(&mut self, world: &World, times: &[f32]) -> Vec<Crossing> {
+        let Self { paths, rays, hits, traced_at_panes: traced, .. } = self;
+        let crossings = PathsAtPanes { world, times, paths, rays, hits, traced }.pass();
+        for crossing in &crossings {
+            if let Some(distance) = crossing.mirrored {
+                let on_the_way = self.transmittance(world, crossing.source, distance);
+                self.paths[crossing.source].throughput *= on_the_way;
+            }
+        }
+        crossings
+    }
+
+    /// The same, for steps of one path at a time.
+    fn note_crossings(&mut self, world: &World, times: &[f32]) {
+        let crossings = self.pass_panes(world, times);
+        self.crossed.clear();
+        if !crossings.is_empty() {
+            self.crossed.resize(self.paths.len(), (Vec3::ONE, false));
+        }
+        for Crossing { source, factor, mirrored } in crossings {
+            let on_the_way = mirrored.map_or(Vec3::ONE, |distance| self.transmittance(world, source, distance));
+            let (transmittance, is_mirrored) = &mut self.crossed[source];
+            *transmittance *= factor * on_the_way;
+            *is_mirrored |= mirrored.is_some();
+        }
     }
 
     /// Starts a path with each camera ray, in the memory of the paths before.
@@ -248,7 +269,9 @@ impl Wavefront {
             let transmittance = arrival.map_or(Vec3::ONE, |arrival| arrival.transmittance(hit.t));
             path.throughput *= transmittance;
             let time = self.times.get(i).copied().unwrap_or(MIDDLE);
-            let vertex = PathVertex { ray, hit, transmittance, time, numbers };
+            let (by_panes, is_mirrored) = self.crossed.get(i).copied().unwrap_or((Vec3::ONE, false));
+            let transmittance = transmittance * by_panes;
+            let vertex = PathVertex { ray, hit, transmittance, is_mirrored, time, numbers };
             let next = step.step(path, &vertex, &mut self.shadow_queue, &mut radiance[path.index as usize]);
             if let Some(arrival) = arrival {
                 self.shadow_queue.dim(waiting, |ray| arrival.transmittance_of(ray));

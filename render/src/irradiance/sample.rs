@@ -12,7 +12,7 @@ use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_we
 use crate::integrator::{Follower, GatherSource};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
-use crate::world::{Hit, Surface, World};
+use crate::world::{Hit, MIDDLE, Surface, World};
 
 /// The set of random numbers that chooses the light and a point on it.
 const LIGHT_SET: u32 = 0;
@@ -110,13 +110,17 @@ impl SensorScratch {
 
     /// Adds what lights send along the scattered rays: a cosine over its density is π.
     fn add_emission(&self, world: &World, surface: &Surface, sum: &mut DVec3) {
-        for (ray, hit) in self.rays.iter().zip(&self.hits).filter(|(_, hit)| hit.is_hit()) {
-            let emitter = world.surface_at(hit);
+        for (ray, hit) in self.rays.iter().zip(&self.hits) {
+            let (hit, transmittance) = world.behind_panes(ray, hit, MIDDLE);
+            if !hit.is_hit() {
+                continue;
+            }
+            let emitter = world.surface_at(&hit);
             let emitted = emitter.emitted(ray.direction);
             if emitted != Vec3::ZERO {
                 let density = surface.normal.dot(ray.direction) / PI;
-                let weight = scattered_weight(world, &surface.receiver(), density, &emitter, ray, hit);
-                *sum += (PI * weight * emitted).as_dvec3();
+                let weight = scattered_weight(world, &surface.receiver(), density, &emitter, ray, &hit);
+                *sum += (PI * weight * emitted * transmittance).as_dvec3();
             }
         }
     }

@@ -4,6 +4,7 @@ mod guide;
 mod lit_parts;
 mod openings;
 mod panes;
+mod panes_everywhere;
 mod profiles;
 mod secondary;
 mod sizes;

@@ -42,8 +42,8 @@ pub(crate) struct CacheMisses {
     hits: Vec<Hit>,
     samplers: Vec<Sampler>,
     radiance: Vec<Vec3>,
-    /// The throughput of each camera ray's path, scattered last by a density, for all light except emission, minus the
-    /// part covered by records.
+    /// The throughput of each ray's path, scattered last by a density, for all light except emission, minus the part covered
+    /// by records; 1 for a path that has not been scattered yet.
     indirect: Vec<Vec3>,
 }
 
@@ -57,7 +57,8 @@ pub(super) fn radiance(
     radiance: &mut [Vec3],
 ) -> u64 {
     misses.clear();
-    misses.indirect.resize(batch.rays.len(), Vec3::ZERO);
+    misses.indirect.clear();
+    misses.indirect.resize(batch.rays.len(), Vec3::ONE);
     wave.follow(world, batch, &mut ScalarSteps { world, step: Lookup { world, frozen, batch, misses } }, radiance)
 }
 
@@ -82,15 +83,24 @@ impl VertexStep for Lookup<'_> {
     ) -> Option<(Path, Ray)> {
         let (world, PathVertex { ray, hit, numbers, .. }, index) = (self.world, vertex, path.index);
         let is_scattered = path.density > 0.0 && path.density < f32::INFINITY;
+        let mut path = path;
+        if vertex.is_mirrored {
+            // Records cover their part of what panes reflect.
+            path.throughput = self.misses.indirect[path.index as usize] * vertex.transmittance;
+        }
         let how = (LightSampling::Direct, SkyPart::Sun);
         lights_on_the_way(world, how, &path, ray, (hit.t, vertex.time), |_, light| {
             *radiance += path.throughput * light
         });
         if !hit.is_hit() {
-            // The sky that a gather sees is its own affair.
+            // Of the sky a gather sees what light samples do not.
             if is_scattered {
-                *radiance += self.misses.indirect[index as usize] * world.lights.sky.ambient(ray.direction);
-            } else if path.density == f32::INFINITY {
+                *radiance += self.misses.indirect[index as usize]
+                    * vertex.transmittance
+                    * world.lights.sky.ambient(ray.direction);
+            } else if path.density == 0.0 {
+                *radiance += path.throughput * world.lights.sky.ambient(ray.direction);
+            } else {
                 *radiance += path.throughput * world.lights.sky.radiance(ray.direction);
             }
             return None;

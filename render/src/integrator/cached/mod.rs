@@ -122,13 +122,7 @@ pub(super) fn indirect(
     let defaults = PathOptions::default();
     let stop = Stop::Roulette { after: SURE_DEPTH, survival: SURVIVAL };
     let options = PathOptions { max_depth: max_depth.unwrap_or(defaults.max_depth), stop, ..defaults };
-    let traced = path::radiance(world, &options, rays, wave, radiance, &mut |_| (), path::PathObservers::default());
-    for ((ray, hit), radiance) in rays.rays.iter().zip(rays.hits).zip(radiance) {
-        if !hit.is_hit() {
-            *radiance = world.lights.sky.ambient(ray.direction);
-        }
-    }
-    traced
+    path::radiance(world, &options, rays, wave, radiance, &mut |_| (), path::PathObservers::default())
 }
 
 /// Writes the radiance along each camera ray; gives the number of further rays.

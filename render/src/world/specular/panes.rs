@@ -11,10 +11,11 @@
 pub(in crate::world) mod glass_tree;
 
 use glam::Vec3;
-use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
+use halfdome_kernel::{self as kernel, Ray};
 
-use super::super::{MIDDLE, World};
+use self::glass_tree::{GlassTree, Next, Pane};
+use super::super::{Hit, MIDDLE, World};
 use super::{Between, Face, MAX_FACES, beyond};
 
 /// The cosine of 3°, the greatest angle between two faces that count as parallel.
@@ -72,6 +73,48 @@ impl World {
             ray = beyond(&inner, &exit.surface);
         }
         Between::Bends
+    }
+
+    /// The pane that a ray has hit, if it crosses it straight.
+    pub(crate) fn pane_at(&self, ray: &Ray, hit: &Hit, time: f32) -> Option<Pane> {
+        let glass = self.panes().filter(|_| self.is_clear_glass(hit))?;
+        let Next::Pane(pane) = glass.next(ray) else { return None };
+        let is_solid = pane.enters < pane.leaves;
+        (pane.enters == hit.t && !(is_solid && self.occluded_at(&pane.inside(ray), time))).then_some(pane)
+    }
+
+    /// What a ray hits straight behind the panes that it has met first, and their transmittance.
+    pub(crate) fn behind_panes(&self, ray: &Ray, hit: &Hit, time: f32) -> (Hit, Vec3) {
+        let (mut ray, mut hit, mut transmittance) = (*ray, *hit, Vec3::ONE);
+        for _ in 0..MAX_FACES {
+            let Some(pane) = self.pane_at(&ray, &hit, time) else { break };
+            transmittance *= pane.transmittance;
+            ray.t_min = pane.leaves.next_up();
+            hit = self.intersect_at(&ray, time);
+        }
+        (hit, transmittance)
+    }
+
+    /// The part of a shadow ray behind all panes on its straight way, and their transmittance; `None` if glass bends it, or
+    /// if something is in front of a pane or inside.
+    #[inline]
+    pub(crate) fn through_panes(&self, shadow: &Ray, time: f32) -> Option<(Ray, Vec3)> {
+        match self.panes() {
+            Some(glass) => self.through(glass, shadow, time),
+            None => Some((*shadow, Vec3::ONE)),
+        }
+    }
+
+    #[inline(never)]
+    fn through(&self, glass: &GlassTree, shadow: &Ray, time: f32) -> Option<(Ray, Vec3)> {
+        let mut hits = [kernel::Hit::MISS];
+        glass.intersect_many(&[*shadow], &mut hits);
+        if !hits[0].is_hit() {
+            return Some((*shadow, Vec3::ONE));
+        }
+        let mut is_free = true;
+        let crossed = glass.cross(shadow, &hits[0], |part| is_free = is_free && !self.occluded_at(&part, time));
+        crossed.filter(|_| is_free)
     }
 
     /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance.
