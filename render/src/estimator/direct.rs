@@ -157,16 +157,23 @@ pub(crate) fn scattered_weight(
     LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The density per solid angle with which light samples at `surface` sample this part of the sky in the unit direction
-/// `direction`.
-#[inline(always)]
-pub(crate) fn sky_density(world: &World, surface: &Surface, part: SkyPart, direction: Vec3) -> f32 {
-    if !world.lights.sky.has(part) {
-        return 0.0;
-    }
-    let receiver = surface.receiver();
-    let probability = world.lights.weigh(&receiver, part).sky_probability();
-    probability * world.lights.sky.density(&receiver, part, direction)
+/// The probability with which light samples at `surface` look at this part of the sky, without those through openings.
+pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -> f32 {
+    if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
+}
+
+/// The density per solid angle with which light samples at `receiver` that look at this part of the sky with a probability,
+/// and those through openings, look in a unit vector.
+pub(crate) fn sky_density(
+    world: &World,
+    receiver: &Receiver,
+    (probability, part): (f32, SkyPart),
+    direction: Vec3,
+) -> f32 {
+    let sky = &world.lights.sky;
+    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
+    let through_openings = openings.map_or(0.0, |openings| openings.density(receiver, direction));
+    probability * sky.density(receiver, part, direction) + through_openings
 }
 
 /// Light from what was chosen; which point or direction, `v` says with what the choice left.

@@ -4,18 +4,23 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 
 use super::state::Path;
-use crate::estimator::{SeenLight, emitted_density, seen_lights};
+use crate::estimator::{SeenLight, emitted_density, seen_lights, sky_density};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Between, Hit, Surface, World};
 
 /// What a path sees of the sky in its direction, weighted against the light sample that might have looked there; of the first
 /// rays of a gather, whose points sample the sun, the sky without it.
-pub(super) fn sky(world: &World, lights: LightSampling, path: &Path, direction: Vec3) -> Vec3 {
+pub(super) fn sky(world: &World, (lights, part): (LightSampling, SkyPart), path: &Path, ray: &Ray) -> Vec3 {
+    let (sky, direction) = (&world.lights.sky, ray.direction);
     if path.is_first() && path.density == 0.0 {
-        return world.lights.sky.ambient(direction);
+        return sky.ambient(direction);
     }
-    world.lights.sky.radiance(direction) * lights.bounce_weight(path.density, path.sky_density)
+    if path.density == f32::INFINITY {
+        return sky.radiance(direction);
+    }
+    let density = sky_density(world, &path.receiver(ray.origin), (path.sky_probability, part), direction);
+    sky.radiance(direction) * lights.bounce_weight(path.density, density)
 }
 
 /// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the

@@ -20,7 +20,7 @@ use super::shadow_queue::ShadowQueue;
 use super::state::{Path, survive};
 use super::{FIRST_SET, RayBatch};
 use crate::bsdf::Scattering;
-use crate::estimator::{Hemisphere, sample_direct, sky_density};
+use crate::estimator::{Hemisphere, sample_direct, sky_probability};
 use crate::light::SkyPart;
 use crate::material::{Closure, Kind};
 use crate::settings::{LightSampling, MonteCarloOptions};
@@ -173,7 +173,7 @@ impl Gather<'_> {
         let until = (hit.t, time_of(self.times, path.index as usize));
         lights_on_the_way(world, how, path, ray, until, |_, light| *radiance += path.throughput * light);
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, LIGHTS, path, ray.direction);
+            *radiance += path.throughput * sky(world, how, path, ray);
             return;
         }
         let surface = world.surface_at(hit);
@@ -203,10 +203,10 @@ impl Gather<'_> {
             }
             throughput /= survival;
         }
-        let sky_density = sky_density(world, &surface, SkyPart::All, bounce.direction);
+        let sky_probability = sky_probability(world, &surface, SkyPart::All);
         let is_mirrored = bounce.density == f32::INFINITY;
         let normal = if is_mirrored { path.normal_mirrored() } else { surface.receiver().packed() };
-        let path = Path { throughput, density: bounce.density, sky_density, normal, ..*path };
+        let path = Path { throughput, density: bounce.density, sky_probability, normal, ..*path };
         children.push(Node { path, ..child }, leave(&surface, bounce.direction));
     }
 
@@ -226,6 +226,7 @@ impl Gather<'_> {
             return;
         }
         let (frame, normal) = (surface.frame(), surface.receiver().packed());
+        let sky_probability = sky_probability(self.world, surface, SkyPart::All);
         for number in 0..self.hemisphere.rays() {
             let child = node.child(self.options.rays, number);
             let u = child.direction_numbers(sampler);
@@ -238,9 +239,8 @@ impl Gather<'_> {
                     _ => continue,
                 }
             };
-            let sky_density = sky_density(self.world, surface, SkyPart::All, direction);
             // Any finite density will do, for all that light samples can find is left to them.
-            let path = Path { throughput: throughput * weight, density: 0.0, sky_density, normal, ..node.path };
+            let path = Path { throughput: throughput * weight, density: 0.0, sky_probability, normal, ..node.path };
             children.push(Node { path, bounces: node.bounces - 1, ..child }, leave(surface, direction));
         }
     }

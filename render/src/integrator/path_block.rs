@@ -40,7 +40,6 @@ pub(super) use guided::GuidedBlock;
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};
 use openings::OpeningColumns;
-pub(super) use openings::SkyDensities;
 
 /// Paths that have arrived at a surface each.
 #[derive(Clone, Copy, Zeroable)]

@@ -17,8 +17,8 @@ pub(super) struct Path {
     pub throughput: Vec3,
     /// Density per solid angle of its last bounce; infinite after mirrors and glass, and for the camera's ray.
     pub density: f32,
-    /// The density with which sampling the sky would have taken the same direction.
-    pub sky_density: f32,
+    /// The probability with which light samples of its last surface looked at the sky.
+    pub sky_probability: f32,
     /// The normal of its last surface, packed as a [`Receiver`] has it: which light might have been sampled there? And in the
     /// first bit, whether it [sees lights](Self::sees_lights) of a size.
     pub normal: u32,
@@ -105,7 +105,7 @@ impl Path {
 
     /// The path that begins with the camera ray of this number, whose direction had this density.
     pub(super) fn from_camera(index: u32, density: f32) -> Self {
-        Self { index, throughput: Vec3::ONE, density, sky_density: 0.0, normal: Self::NOWHERE, target: 0 }
+        Self { index, throughput: Vec3::ONE, density, sky_probability: 0.0, normal: Self::NOWHERE, target: 0 }
     }
 
     /// The surface that it comes from along a ray with this origin.

@@ -21,6 +21,9 @@ const DARK: f32 = 0.002;
 const HEIGHT: u32 = 16;
 const SUN: f32 = 400.0;
 
+/// Radiance by the cosine of the angle from the zenith.
+type Radiance = fn(f64) -> f64;
+
 /// A sky with a bright cap about the zenith. It counts as a sun, which gathers leave to light samples.
 fn sky_with_sun() -> Sky {
     let (width, height) = (2 * HEIGHT, HEIGHT);
@@ -43,7 +46,7 @@ fn radiance(cos: f64) -> f64 {
 }
 
 /// The integral over the upper hemisphere of what comes through the pane of light by its cosine, times that to a power.
-fn through_pane(thin_walled: bool, radiance: fn(f64) -> f64, power: i32) -> DVec3 {
+fn through_pane(thin_walled: bool, radiance: Radiance, power: i32) -> DVec3 {
     const STEPS: u32 = 20_000;
     let cosines = (0..STEPS).map(|i| (f64::from(i) + 0.5) / f64::from(STEPS));
     let all = cosines.map(|cos| parts(thin_walled, cos)[0] * radiance(cos) * cos.powi(power));
@@ -147,8 +150,7 @@ fn sensors_see_sky_sun_and_panels_through_panes() {
 #[test]
 fn probes_see_sky_sun_and_panels_through_panes() {
     for thin_walled in [true, false] {
-        let lights: [(_, fn(f64) -> f64); 2] = [(scene(thin_walled), radiance), (below_panel(thin_walled), |_| 1.0)];
-        for (scene, radiance) in lights {
+        for (scene, radiance) in [(scene(thin_walled), radiance as Radiance), (below_panel(thin_walled), |_| 1.0)] {
             let world = World::new(scene).unwrap();
             let run = |seed| {
                 let options = probes::Options { rays: 2048, spp: 1024, seed };

@@ -108,7 +108,7 @@ impl Advance<'_, '_> {
             if throughput.max_element() > 0.0 {
                 let (normal, target) = (block.packed_normal(i), aimed.prim_id + 1);
                 let index = index as u32;
-                let path = Path { index, throughput, density: f32::INFINITY, sky_density: 0.0, normal, target };
+                let path = Path { index, throughput, density: f32::INFINITY, sky_probability: 0.0, normal, target };
                 self.wave.aimed.push((aimed.ray, path));
                 self.learn_aimed(block, i);
                 self.keep_media_of_aimed(block, i, aimed.ray.direction);

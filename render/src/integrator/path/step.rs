@@ -9,7 +9,7 @@ use super::aim::FindLit;
 use super::{Advance, BlockRays, SKY};
 use crate::estimator::{ShadowRay, sample_light, sample_reflected};
 use crate::integrator::emission::{emission, sky};
-use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, SkyDensities, clamp};
+use crate::integrator::path_block::{BlockClosures, Bounces, LANES, PathBlock, ShadowRays, clamp};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
 use crate::light::SampledLight;
@@ -70,7 +70,7 @@ impl Advance<'_, '_> {
         for number in first..self.wave.order.len() {
             let source = self.wave.order[number];
             let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
-            let light = path.throughput * sky(self.world, self.options.lights, path, ray.direction);
+            let light = path.throughput * sky(self.world, (self.options.lights, SKY), path, ray);
             let light = self.clamped(light);
             self.radiance[path.index as usize] += light;
             self.record_sky(source as usize, light);
@@ -320,9 +320,6 @@ impl Advance<'_, '_> {
         block.bounce(closures, &WHITE, bounces);
         if let Some(guide) = &self.guide {
             guide.bounce(closures, block, bounces);
-        }
-        if world.lights.sky.has(SKY) || world.lights.sky.openings().is_some() {
-            world.isa().run(SkyDensities { world, part: SKY, block, bounces });
         }
         if self.recorder.is_some() {
             self.record_bounces(closures, block, bounces);

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Isa, Ray};
 
-use super::columns::{Integers, LANES, Paths, Rays, Vectors, keep};
+use super::columns::{Integers, LANES, Paths, Rays, keep};
 use super::{BlockClosures, Continuations, PathBlock};
 use crate::bsdf::Bounce;
 use crate::integrator::state::Path;
@@ -33,6 +33,7 @@ impl PathBlock {
     ) {
         bounces.paths.index = self.paths.index;
         bounces.paths.target = self.target;
+        bounces.paths.sky_probability = self.sky_probabilities();
         closures.sample_all(self, matte, &mut bounces.on);
         for i in 0..LANES {
             let (surface, direction) = (self.surface(i, matte), bounces.on.direction.get(i));
@@ -74,12 +75,6 @@ impl Bounces {
         self.paths.normal[i] = block.normal_after(C::SHARES_LIGHTS, i, (bounce.direction, bounce.density));
         let survives = block.u_roulette[i] < block.survival[i];
         self.goes_on[i] = u32::from(scatters & survives) & block.goes_on[i];
-    }
-
-    /// The directions of all.
-    #[inline(always)]
-    pub(super) fn directions(&self) -> &Vectors {
-        &self.rays.direction
     }
 
     /// Rays without an end.

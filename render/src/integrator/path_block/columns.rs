@@ -42,7 +42,7 @@ pub(in crate::integrator) struct Paths {
     pub index: Integers,
     pub throughput: Vectors,
     pub density: Column,
-    pub sky_density: Column,
+    pub sky_probability: Column,
     pub normal: Integers,
     pub target: Integers,
 }

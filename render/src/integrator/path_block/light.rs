@@ -206,6 +206,12 @@ impl PathBlock {
         self.light_samples.sky_probability[i] * world.lights.sky.density(&self.receiver(i), part, direction)
     }
 
+    /// The probability with which each path's samples of the chosen light look at the sky.
+    #[inline(always)]
+    pub(super) fn sky_probabilities(&self) -> Column {
+        self.light_samples.sky_probability
+    }
+
     /// Samples of the chosen lights.
     #[inline(always)]
     pub(in crate::integrator) fn sample_lights<C: BlockClosures>(

@@ -3,12 +3,12 @@
 //! Loops over the paths are inside of those over openings, and become lanes.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use halfdome_kernel::Task;
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 
 use super::columns::{Column, LANES, Vectors};
-use super::{BlockClosures, Bounces, PathBlock, ShadowRays};
+use super::{BlockClosures, PathBlock, ShadowRays};
 use crate::light::{Openings, SkyPart};
 use crate::scene::Material;
 use crate::settings::LightSampling;
@@ -117,31 +117,6 @@ impl Task for OpeningSamples<'_> {
             shadows.waiting.light.set(i, sky.radiance(direction) * inv_density);
             shadows.per_density[i] = inv_density;
             shadows.lit[i] = u32::from(is_above & inv_density.is_finite());
-        }
-    }
-}
-
-/// Gives bounces the density with which light samples look to this part of the sky in their directions, likewise.
-pub(in crate::integrator) struct SkyDensities<'a> {
-    pub world: &'a World,
-    pub part: SkyPart,
-    pub block: &'a PathBlock,
-    pub bounces: &'a mut Bounces,
-}
-
-impl Task for SkyDensities<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        let Self { world, part, block, bounces } = self;
-        for i in 0..block.len {
-            let direction: Vec3 = bounces.direction(i);
-            bounces.paths.sky_density[i] = block.density_anywhere(world, part, i, direction);
-        }
-        if let Some(openings) = world.lights.sky.openings() {
-            let densities = block.openings.densities(block, openings, bounces.directions());
-            bounces.paths.sky_density.iter_mut().zip(densities).for_each(|(density, through)| *density += through);
         }
     }
 }
