@@ -133,9 +133,9 @@ impl Generation {
         let mut traced = self.rays.len() as u64;
         let Self { nodes: paths, rays, hits, .. } = self;
         for crossing in (PathsAtPanes { world, times, paths, rays, hits, traced: &mut traced }).pass() {
-            if let Some(distance) = crossing.mirrored {
+            if let Some(pane) = crossing.mirrored {
                 let Node { path, media, .. } = &mut self.nodes[crossing.source];
-                path.throughput *= media.transmittance(world, distance);
+                path.throughput *= media.transmittance(world, pane.t);
             }
         }
         traced

@@ -36,8 +36,8 @@ pub(super) struct Crossing {
     pub source: usize,
     /// What its throughput was multiplied by.
     pub factor: Vec3,
-    /// The distance to the pane, if that has reflected it.
-    pub mirrored: Option<f32>,
+    /// The pane's hit, if that has reflected it.
+    pub mirrored: Option<Hit>,
 }
 
 impl<P: AsMut<Path>> PathsAtPanes<'_, P> {
@@ -84,11 +84,11 @@ impl<P: AsMut<Path>> PathsAtPanes<'_, P> {
     }
 
     fn pass_or_reflect(&mut self, source: usize, pane: &Pane) -> Crossing {
-        let (path, ray, hit) = (self.paths[source].as_mut(), &mut self.rays[source], &self.hits[source]);
+        let (path, ray, hit) = (self.paths[source].as_mut(), &mut self.rays[source], self.hits[source]);
         let Pane { leaves, normal, transmittance, reflectance, .. } = *pane;
         let [through, back] = [transmittance, reflectance].map(|part| part.max_element());
         let probability = if through + back > 0.0 { through / (through + back) } else { 1.0 };
-        if path.is_aimed() || chance(ray, hit) < probability {
+        if path.is_aimed() || chance(ray, &hit) < probability {
             let factor = if path.is_aimed() { transmittance } else { transmittance / probability };
             path.throughput *= factor;
             path.normal = path.normal_behind_pane();
@@ -101,9 +101,9 @@ impl<P: AsMut<Path>> PathsAtPanes<'_, P> {
         path.normal = path.normal_mirrored_by(Receiver::pack(normal, false));
         (path.density, path.target) = (f32::INFINITY, 0);
         let direction = ray.direction - 2.0 * ray.direction.dot(normal) * normal;
-        let origin = offset_point(ray.at(hit.t), normal, self.world.placed_record(hit).offset, direction);
+        let origin = offset_point(ray.at(hit.t), normal, self.world.placed_record(&hit).offset, direction);
         *ray = Ray::new(origin, direction);
-        Crossing { source, factor, mirrored: Some(hit.t) }
+        Crossing { source, factor, mirrored: Some(hit) }
     }
 
     /// Traces the rays of these paths again.

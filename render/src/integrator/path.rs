@@ -165,8 +165,8 @@ impl Task for Steps<'_, '_> {
         let Scratch { block, rays, glossy, transmissive, layered } = scratch;
         step.see_lights();
         for crossing in step.wave.pass_panes(step.world, step.batch.times) {
-            if crossing.mirrored.is_some() {
-                step.record_mirrored(crossing.source);
+            if let Some(pane) = crossing.mirrored {
+                step.record_mirrored(crossing.source, &pane);
             }
         }
         if step.aims() {

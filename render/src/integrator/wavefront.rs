@@ -196,8 +196,8 @@ impl Wavefront {
         let Self { paths, rays, hits, traced_at_panes: traced, .. } = self;
         let crossings = PathsAtPanes { world, times, paths, rays, hits, traced }.pass();
         for crossing in &crossings {
-            if let Some(distance) = crossing.mirrored {
-                let on_the_way = self.transmittance(world, crossing.source, distance);
+            if let Some(pane) = crossing.mirrored {
+                let on_the_way = self.transmittance(world, crossing.source, pane.t);
                 self.paths[crossing.source].throughput *= on_the_way;
             }
         }
@@ -212,7 +212,7 @@ impl Wavefront {
             self.crossed.resize(self.paths.len(), (Vec3::ONE, false));
         }
         for Crossing { source, factor, mirrored } in crossings {
-            let on_the_way = mirrored.map_or(Vec3::ONE, |distance| self.transmittance(world, source, distance));
+            let on_the_way = mirrored.map_or(Vec3::ONE, |pane| self.transmittance(world, source, pane.t));
             let (transmittance, is_mirrored) = &mut self.crossed[source];
             *transmittance *= factor * on_the_way;
             *is_mirrored |= mirrored.is_some();

@@ -7,7 +7,7 @@ use crate::integrator::light_paths::{LightPaths, Lobe};
 use crate::integrator::path_block::{BlockClosures, Bounces, PathBlock, ShadowRays};
 use crate::integrator::shadow_queue::ShadowQueue;
 use crate::integrator::wavefront::first_set;
-use crate::world::WHITE;
+use crate::world::{Hit, WHITE};
 
 /// Memory from one batch to the next.
 #[derive(Default)]
@@ -146,11 +146,10 @@ impl Advance<'_, '_> {
         }
     }
 
-    /// Records that a mirror reflects a path where it has arrived.
-    pub(super) fn record_mirrored(&mut self, source: usize) {
+    /// Records that a pane has reflected a path.
+    pub(super) fn record_mirrored(&mut self, source: usize, pane: &Hit) {
         if let Some(recorder) = &mut self.recorder {
-            let mesh = self.world.mesh_number(self.wave.hits[source].prim_id);
-            let event = recorder.paths.surface(mesh, false, Lobe::Delta);
+            let event = recorder.paths.surface(self.world.mesh_number(pane.prim_id), false, Lobe::Delta);
             recorder.memory.states[source] = recorder.paths.after(recorder.memory.states[source], event);
         }
     }
