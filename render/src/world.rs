@@ -34,7 +34,7 @@ pub(crate) use placement::motion::Motion;
 use ray_counts::RayCounters;
 pub(crate) use ray_counts::RayCounts;
 use specular::Specular;
-pub(crate) use specular::{Between, LightEnd, LightInMirrors, Next, Pane, SpecularConnection, Start, Starts};
+pub(crate) use specular::{Between, LightEnd, LightInMirrors, Pane, SpecularConnection, Start, Starts};
 use surface::closures::ClosureCell;
 pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use surface::shadow_terminator::Convexity;

@@ -36,6 +36,15 @@ pub(crate) struct ShadowRay {
     pub radiance: Vec3,
 }
 
+impl ShadowRay {
+    /// What comes straight through panes; `None` if nothing does.
+    #[inline]
+    pub(crate) fn through_panes(self, world: &World, time: f32) -> Option<Self> {
+        let (ray, transmittance) = world.through_panes(&self.ray, time)?;
+        Some(Self { ray, radiance: self.radiance * transmittance, ..self })
+    }
+}
+
 /// Light that arrives from a light if nothing is in between.
 pub(crate) struct LightSample {
     pub shadow: Ray,
@@ -99,12 +108,9 @@ fn sample_one_light(
     if !radiance.abs().cmpgt(Vec3::ZERO).any() {
         return None;
     }
-    let (ray, transmittance) = match light.is_punctual {
-        // What glass there is on the way is known.
-        true => (light.shadow, Vec3::ONE),
-        false => world.through_panes(&light.shadow, surface.time)?,
-    };
-    Some(ShadowRay { ray, direction: light.direction, radiance: radiance * transmittance })
+    let shadow_ray = ShadowRay { ray: light.shadow, direction: light.direction, radiance };
+    // Glass between a point and its light is known already.
+    if light.is_punctual { Some(shadow_ray) } else { shadow_ray.through_panes(world, surface.time) }
 }
 
 /// Samples the light that mirrors and glass reflect.

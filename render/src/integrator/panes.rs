@@ -12,7 +12,7 @@ use halfdome_kernel::{Ray, offset_point};
 
 use super::state::Path;
 use crate::light::Receiver;
-use crate::world::{Hit, Next, Pane, World, chance, time_of};
+use crate::world::{Hit, Pane, World, chance, time_of};
 
 /// The most panes that a bounce goes through or is reflected by, one after the other.
 const MAX_PANES: usize = 16;
@@ -25,7 +25,7 @@ pub(super) struct PathsAtPanes<'a, P> {
     pub paths: &'a mut [P],
     pub rays: &'a mut [Ray],
     pub hits: &'a mut [Hit],
-    /// The number of rays that were traced at panes.
+    /// The number of rays that were traced again behind panes.
     pub traced: &'a mut u64,
 }
 
@@ -67,19 +67,10 @@ impl<P: AsMut<Path>> PathsAtPanes<'_, P> {
     fn cross(&mut self, source: usize) -> Option<Crossing> {
         let (path, ray, hit) = (self.paths[source].as_mut(), &self.rays[source], &self.hits[source]);
         // Not what the camera sees.
-        if (path.density == f32::INFINITY && !path.is_aimed()) || !self.world.is_clear_glass(hit) {
+        if path.density == f32::INFINITY && !path.is_aimed() {
             return None;
         }
-        let Next::Pane(pane) = self.world.panes()?.next(ray) else { return None };
-        if pane.enters != hit.t {
-            return None;
-        }
-        if pane.enters < pane.leaves {
-            *self.traced += 1;
-            if self.world.occluded_at(&pane.inside(ray), time_of(self.times, path.index as usize)) {
-                return None;
-            }
-        }
+        let pane = self.world.pane_at(ray, hit, time_of(self.times, path.index as usize))?;
         Some(self.pass_or_reflect(source, &pane))
     }
 

@@ -39,7 +39,6 @@ pub(super) use glossy::GlossyLanes;
 pub(super) use guided::GuidedBlock;
 use light::LightSamples;
 pub(super) use light::{ShadowRays, clamp};
-use openings::OpeningColumns;
 
 /// Paths that have arrived at a surface each.
 #[derive(Clone, Copy, Zeroable)]
@@ -87,7 +86,6 @@ pub(super) struct PathBlock {
     /// Numbers that decide whether paths aim at secondary lights, if there are any.
     pub u_aim: Column,
     light_samples: LightSamples,
-    openings: OpeningColumns,
     /// The `target` of paths that leave: 0, or of secondary lights [`Path::UNAIMED`].
     target: Integers,
 }

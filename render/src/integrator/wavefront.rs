@@ -118,7 +118,7 @@ pub(crate) struct Wavefront {
     u_direction: Vec<Vec2>,
     cosine: Vec<Vec3>,
     pub(super) shadow_queue: ShadowQueue,
-    /// What panes have done to each path on its way, and whether they have reflected it; empty if none has met any.
+    /// By path, what panes have left of its light in this step, and whether they have reflected it; empty if none has met any.
     crossed: Vec<(Vec3, bool)>,
     /// The number of rays that were traced in between, for paths and shadow rays at panes.
     pub(super) traced_at_panes: u64,
@@ -194,11 +194,12 @@ impl Wavefront {
     /// Takes bounces and aimed paths straight through panes, or reflects them; gives what has happened to them.
     pub(super) fn pass_panes(&mut self, world: &World, times: &[f32]) -> Vec<Crossing> {
         let Self { paths, rays, hits, traced_at_panes: traced, .. } = self;
-        let crossings = PathsAtPanes { world, times, paths, rays, hits, traced }.pass();
-        for crossing in &crossings {
-            if let Some(pane) = crossing.mirrored {
-                let on_the_way = self.transmittance(world, crossing.source, pane.t);
-                self.paths[crossing.source].throughput *= on_the_way;
+        let mut crossings = PathsAtPanes { world, times, paths, rays, hits, traced }.pass();
+        for Crossing { source, factor, mirrored } in &mut crossings {
+            if let Some(pane) = mirrored {
+                let on_the_way = self.transmittance(world, *source, pane.t);
+                self.paths[*source].throughput *= on_the_way;
+                *factor *= on_the_way;
             }
         }
         crossings
@@ -212,9 +213,8 @@ impl Wavefront {
             self.crossed.resize(self.paths.len(), (Vec3::ONE, false));
         }
         for Crossing { source, factor, mirrored } in crossings {
-            let on_the_way = mirrored.map_or(Vec3::ONE, |pane| self.transmittance(world, source, pane.t));
             let (transmittance, is_mirrored) = &mut self.crossed[source];
-            *transmittance *= factor * on_the_way;
+            *transmittance *= factor;
             *is_mirrored |= mirrored.is_some();
         }
     }

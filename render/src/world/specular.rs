@@ -29,7 +29,7 @@ use crate::material::ggx::Ggx;
 use crate::scene::Material;
 pub(crate) use chain::LightEnd;
 pub(crate) use manifold::SpecularConnection;
-pub(crate) use panes::glass_tree::{GlassTree, Next, Pane};
+pub(crate) use panes::glass_tree::{GlassTree, Pane};
 use photons::Photons;
 pub(crate) use photons::{LightInMirrors, Start, Starts};
 

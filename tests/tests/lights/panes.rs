@@ -229,14 +229,19 @@ fn going_straight_through_panes_is_as_bright_as_refraction() {
     assert!(refracted.error.max_element() < 0.01 * refracted.mean.min_element(), "{refracted:?}");
 }
 
-/// A plane that glows sees itself in the pane: `L = 1 + ρ R L`.
+/// A plane that glows sees itself in the pane: `L = 1 + ρ R L`; and this radiance.
+pub(crate) fn glowing_below_a_pane(thin_walled: bool) -> (Scene, DVec3) {
+    let mut scene = below_a_pane(thin_walled, 0.0);
+    scene.materials[0] = material(Vec3::splat(0.5), Vec3::ONE);
+    let [_, back] = mean_parts(thin_walled);
+    (scene, (1.0 - 0.5 * back).recip())
+}
+
 #[test]
 fn panes_reflect_what_is_below_by_fresnels_equations() {
     for thin_walled in [true, false] {
-        let mut scene = below_a_pane(thin_walled, 0.0);
-        scene.materials[0] = material(Vec3::splat(0.5), Vec3::ONE);
-        let [_, back] = mean_parts(thin_walled);
-        let expected = vec![(1.0 - 0.5 * back).recip(); (SIZE.0 * SIZE.1) as usize];
+        let (scene, radiance) = glowing_below_a_pane(thin_walled);
+        let expected = vec![radiance; (SIZE.0 * SIZE.1) as usize];
         for lights in ALL {
             check_settings(&scene, &path(lights), &expected, 0.02);
         }
@@ -245,7 +250,7 @@ fn panes_reflect_what_is_below_by_fresnels_equations() {
 
 /// Without absorption and tint a pane keeps nothing: what it does not let through it reflects.
 #[test]
-pub(crate) fn below_a_pane_in_a_white_furnace_all_is_white() {
+fn below_a_pane_in_a_white_furnace_all_is_white() {
     for thin_walled in [true, false] {
         let mut scene = below_a_pane(thin_walled, 1.0);
         scene.materials[1].inputs.transmission_color = Vec3::ONE;

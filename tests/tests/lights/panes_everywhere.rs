@@ -5,15 +5,16 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 use halfdome::irradiance::{Part, Request, Sensor, by_paths};
+use halfdome::material::Inputs;
 use halfdome::probes;
-use halfdome::scene::{Scene, Sky, SkyPicture};
+use halfdome::scene::{Material, Scene, Sky, SkyPicture};
 use halfdome::settings::{
     CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings, Survival,
 };
 use halfdome::world::World;
 use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, render};
 
-use crate::panes::{below_a_pane, flipped, mean_parts, parts};
+use crate::panes::{below_a_pane, flipped, glowing_below_a_pane, mean_parts, parts};
 use crate::{settings, square};
 
 /// How dark the plane is, as the pane sends back a part of what it reflects.
@@ -114,17 +115,31 @@ fn all_integrators_see_panels_through_panes() {
     }
 }
 
-/// What glass mirrors is seen with its whole light by what it mirrors to: the pane shows the plane's glow to the plane.
 #[test]
 fn all_integrators_see_what_panes_reflect() {
     for thin_walled in [true, false] {
-        let mut scene = below_a_pane(thin_walled, 0.0);
-        scene.materials[0] = material(Vec3::splat(0.5), Vec3::ONE);
-        let [_, back] = mean_parts(thin_walled);
-        // One reflection of the glow by the plane, as the others are reflected again.
-        let expected = (1.0 - 0.5 * back).recip();
+        let (scene, expected) = glowing_below_a_pane(thin_walled);
+        // Direct light has no reflections.
         for (name, integrator) in integrators().into_iter().skip(1) {
             check(name, &means(&scene, &integrator), expected);
+        }
+    }
+}
+
+/// Gloss, whose reflections are followed by rays of its own, and the rest by records.
+#[test]
+fn gloss_below_panes_is_as_bright_in_all_integrators() {
+    for thin_walled in [true, false] {
+        let mut scene = below_a_pane(thin_walled, 0.0);
+        let inputs = Inputs { base_color: Vec3::splat(0.8), specular_roughness: 0.3, ..Inputs::default() };
+        scene.materials[0] = Material { inputs, ..Material::default() };
+        scene.sky = Sky::constant(Vec3::ONE);
+        let [_, (_, montecarlo), (_, cached), (_, path)] = integrators();
+        let expected = Estimate::of(&means(&scene, &path));
+        for integrator in [montecarlo, cached] {
+            let found = Estimate::of(&means(&scene, &integrator));
+            let z = found.z(&expected, 5e-3).max_element();
+            assert!(z < 4.5, "{integrator:?}: {found:?} and {expected:?}: {z}");
         }
     }
 }

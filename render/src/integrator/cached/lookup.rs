@@ -76,17 +76,16 @@ impl VertexStep for Lookup<'_> {
 
     fn step(
         &mut self,
-        path: Path,
+        mut path: Path,
         vertex: &PathVertex,
         shadow_queue: &mut ShadowQueue,
         radiance: &mut Vec3,
     ) -> Option<(Path, Ray)> {
         let (world, PathVertex { ray, hit, numbers, .. }, index) = (self.world, vertex, path.index);
         let is_scattered = path.density > 0.0 && path.density < f32::INFINITY;
-        let mut path = path;
         if vertex.is_mirrored {
             // Records cover their part of what panes reflect.
-            path.throughput = self.misses.indirect[path.index as usize] * vertex.transmittance;
+            path.throughput = self.misses.indirect[index as usize] * vertex.transmittance;
         }
         let how = (LightSampling::Direct, SkyPart::Sun);
         lights_on_the_way(world, how, &path, ray, (hit.t, vertex.time), |_, light| {

@@ -4,7 +4,6 @@ use halfdome_kernel::{self as kernel, Ray};
 use smallvec::SmallVec;
 
 use super::Advance;
-use crate::estimator::ShadowRay;
 use crate::integrator::path_block::{LANES, PathBlock, ShadowRays};
 use crate::world::time_of;
 
@@ -36,13 +35,5 @@ impl Advance<'_, '_> {
         self.world.occluded_many_at(&parts, &times, &mut occluded);
         self.wave.traced_at_panes += parts.len() as u64;
         before.iter().zip(occluded).filter(|(_, occluded)| *occluded).for_each(|(&i, _)| shadows.lose(i));
-    }
-
-    /// Takes a shadow ray of path `i` through panes; whether it goes on.
-    pub(super) fn pass_shadow(&mut self, block: &PathBlock, i: usize, shadow: &mut ShadowRay) -> bool {
-        let crossed = self.world.through_panes(&shadow.ray, time_of(self.batch.times, block.index(i)));
-        let Some((rest, transmittance)) = crossed else { return false };
-        (shadow.ray, shadow.radiance) = (rest, shadow.radiance * transmittance);
-        true
     }
 }

@@ -253,9 +253,13 @@ impl Advance<'_, '_> {
         let is_shared = C::SHARES_LIGHTS || !sample.is_punctual;
         let inv_density = if is_shared { sample.inv_density } else { 0.0 };
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
-        let mut shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
+        let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
         // Glass between a point and its light is known already.
-        if sample.is_punctual || self.pass_shadow(block, i, &mut shadow_ray) {
+        let left = match sample.is_punctual {
+            true => Some(shadow_ray),
+            false => shadow_ray.through_panes(self.world, surface.time),
+        };
+        if let Some(shadow_ray) = left {
             self.connect(closures, block, i, (light.index, shadow_ray));
         }
     }

@@ -45,7 +45,7 @@ impl PathBlock {
     /// Samples of the sky through openings, beside those of lights and of this part of the sky.
     #[inline(always)]
     pub(in crate::integrator) fn sample_openings<C: BlockClosures>(
-        &mut self,
+        &self,
         closures: &C,
         (world, part): (&World, SkyPart),
         lights: LightSampling,
@@ -61,7 +61,7 @@ impl PathBlock {
 struct OpeningSamples<'a> {
     world: &'a World,
     part: SkyPart,
-    block: &'a mut PathBlock,
+    block: &'a PathBlock,
     matte: &'a Material,
     shadows: &'a mut ShadowRays,
 }
@@ -75,13 +75,12 @@ impl Task for OpeningSamples<'_> {
         let sky = &world.lights.sky;
         shadows.lit = [0; LANES];
         let Some(openings) = sky.openings() else { return };
-        let mut seen = block.openings;
+        let mut seen = OpeningColumns::zeroed();
         for i in 0..block.len {
             for (weights, free) in seen.weights.iter_mut().zip(openings.free_at(block.position.get(i))) {
                 weights[i] = *free;
             }
         }
-        seen.total = [0.0; LANES];
         for (opening, weights) in seen.weights.iter_mut().enumerate().take(openings.count()) {
             for (i, (weight, total)) in weights.iter_mut().zip(&mut seen.total).enumerate() {
                 let receiver = block.receiver(i);
@@ -105,7 +104,6 @@ impl Task for OpeningSamples<'_> {
             let u = Vec2::new(rest.clamp(0.0, ONE_MINUS_EPSILON), block.u_light[i].y);
             shadows.towards.set(i, openings.cone(opening, block.position.get(i)).direction(u));
         }
-        block.openings = seen;
         let densities = seen.densities(block, openings, &shadows.towards);
         for i in (0..block.len).filter(|&i| (block.goes_on[i] != 0) & (seen.total[i] > 0.0)) {
             let (surface, direction) = (block.surface(i, matte), shadows.towards.get(i));

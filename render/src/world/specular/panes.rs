@@ -11,8 +11,8 @@
 pub(in crate::world) mod glass_tree;
 
 use glam::Vec3;
+use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
-use halfdome_kernel::{self as kernel, Ray};
 
 use self::glass_tree::{GlassTree, Next, Pane};
 use super::super::{Hit, MIDDLE, World};
@@ -107,13 +107,9 @@ impl World {
 
     #[inline(never)]
     fn through(&self, glass: &GlassTree, shadow: &Ray, time: f32) -> Option<(Ray, Vec3)> {
-        let mut hits = [kernel::Hit::MISS];
-        glass.intersect_many(&[*shadow], &mut hits);
-        if !hits[0].is_hit() {
-            return Some((*shadow, Vec3::ONE));
-        }
+        let Some(first) = glass.intersect(shadow) else { return Some((*shadow, Vec3::ONE)) };
         let mut is_free = true;
-        let crossed = glass.cross(shadow, &hits[0], |part| is_free = is_free && !self.occluded_at(&part, time));
+        let crossed = glass.cross(shadow, &first, |part| is_free = is_free && !self.occluded_at(&part, time));
         crossed.filter(|_| is_free)
     }
 

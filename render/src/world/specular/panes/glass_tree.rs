@@ -131,9 +131,14 @@ impl GlassTree {
         self.tree.view().intersect_many(rays, hits);
     }
 
+    /// The nearest glass along a ray.
+    pub(crate) fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        self.tree.view().intersect(ray)
+    }
+
     /// What a ray meets first of glass, whatever else is in its way.
     pub(crate) fn next(&self, ray: &Ray) -> Next {
-        self.tree.view().intersect(ray).map_or(Next::Nothing, |entry| self.next_at(ray, &entry))
+        self.intersect(ray).map_or(Next::Nothing, |entry| self.next_at(ray, &entry))
     }
 
     /// The same where the nearest glass is known.
@@ -158,7 +163,7 @@ impl GlassTree {
         if along > 0.0 || f >= 1.0 {
             return Next::Bends;
         }
-        let Some(exit) = self.tree.view().intersect(&Ray { t_min: entry.t.next_up(), ..*ray }) else {
+        let Some(exit) = self.intersect(&Ray { t_min: entry.t.next_up(), ..*ray }) else {
             return Next::Bends;
         };
         let Some(behind) = &self.faces[exit.prim_id as usize] else { return Next::Bends };
