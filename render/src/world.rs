@@ -2,6 +2,7 @@
 
 mod assemble;
 mod bodies;
+mod emission_cells;
 mod faults;
 mod hit;
 mod labels;

@@ -20,7 +20,7 @@ use super::light_warp::light_warp;
 use super::punctual::{PunctualSample, sample_punctual};
 use super::reflected::{ReflectedLight, sample_reflected};
 use crate::bsdf::Scattering;
-use crate::light::{Light, Receiver, SampledLight, SkyPart};
+use crate::light::{Light, Receiver, SampledLight, SkyPart, TrianglePart};
 use crate::material::Bsdf;
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
@@ -139,12 +139,15 @@ pub(crate) fn emitted_density(
     ray: &Ray,
     hit: &Hit,
 ) -> f32 {
-    let probability = world.lights.probability(emitter.prim_id, receiver, part);
+    let place = Vec2::new(hit.u, hit.v);
+    let Some(light) = world.lights.emitter_at(emitter.prim_id, place) else { return 0.0 };
+    let probability = world.lights.probability(light, receiver, part);
     if probability == 0.0 {
         return 0.0;
     }
-    let (corners, area) = world.emitter_at(emitter.prim_id, hit.time);
-    let place = TriangleWarp.inverse(Vec2::new(hit.u, hit.v));
+    let Light::Triangle(cell) = &world.lights.lights()[light as usize] else { return 0.0 };
+    let (corners, area) = world.emitter_at(light, cell, hit.time);
+    let place = TriangleWarp.inverse(cell.coordinates(place));
     let on_light = light_warp(receiver, &corners, LightSampling::Mis).density(place);
     probability * on_light * hit.t * hit.t / (area * emitter.normal.dot(ray.direction).abs())
 }
@@ -193,7 +196,7 @@ pub(crate) fn sample_light(
 ) -> Option<LightSample> {
     let u = Vec2::new(choice.rest, v);
     let rarer = match &world.lights.lights()[choice.index as usize] {
-        Light::Triangle(prim_id) => return sample_triangle(world, surface, lights, (*prim_id, choice.probability), u),
+        Light::Triangle(part) => return sample_triangle(world, surface, lights, (choice, part), u),
         Light::Punctual(light) => {
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
@@ -215,23 +218,23 @@ fn sample_triangle(
     world: &World,
     surface: &Surface,
     lights: LightSampling,
-    (prim_id, probability): (u32, f32),
+    (choice, part): (&SampledLight, &TrianglePart),
     u: Vec2,
 ) -> Option<LightSample> {
-    let ((corners, area), receiver) = (world.emitter_at(prim_id, surface.time), surface.receiver());
+    let ((corners, area), receiver) = (world.emitter_at(choice.index, part, surface.time), surface.receiver());
     let warp = light_warp(&receiver, &corners, lights);
     let place = warp.map(u);
-    let area = area / probability * warp.per_density(place);
-    let light = point_on_emitter(world, surface, prim_id, place)?;
+    let area = area / choice.probability * warp.per_density(place);
+    let light = point_on_emitter(world, surface, part, place)?;
     let (sample, arrives) = area_light_sample(surface, receiver.behind > 0.0, &light, area);
     arrives.then_some(sample)
 }
 
-/// The point of triangle `prim_id` that `u` means, at the time of `receiver`, with its normals on the side that sends light
+/// The point of a part of a triangle that `u` means, at the time of `receiver`, with its normals on the side that sends light
 /// there, if both do; `None` in a hole.
 #[inline(always)]
-fn point_on_emitter<'w>(world: &'w World, receiver: &Surface, prim_id: u32, u: Vec2) -> Option<Surface<'w>> {
-    let point = TriangleWarp.map(u);
+fn point_on_emitter<'w>(world: &'w World, receiver: &Surface, part: &TrianglePart, u: Vec2) -> Option<Surface<'w>> {
+    let (prim_id, point) = (part.prim_id, part.place(TriangleWarp.map(u)));
     let opacity = world.opacity(prim_id, point.to_array());
     if opacity == 0.0 {
         return None;

@@ -42,7 +42,11 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
     let is_any = inv_density > 0.0 && inv_density.is_finite();
     // From where it leaves, beside the surface: otherwise it might pass a small triangle far away.
     let origin = surface.origin_towards(direction);
-    is_any.then(|| AimedRay { ray: Ray::new(origin, (end - origin).normalize()), prim_id: part.prim_id, inv_density })
+    is_any.then(|| AimedRay {
+        ray: Ray::new(origin, (end - origin).normalize()),
+        prim_id: part.part.prim_id,
+        inv_density,
+    })
 }
 
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
@@ -70,7 +74,7 @@ mod tests {
     use halfdome_kernel::sampling::warp::UniformSphere;
 
     use super::*;
-    use crate::light::{Division, LitPart, Reach, SecondaryLights, TriangleLight, area};
+    use crate::light::{Division, LitPart, Reach, SecondaryLights, TriangleLight, TrianglePart, area};
     use crate::scene::{CameraPose, Material, Mesh, Scene};
     use crate::world::TriangleRecord;
 
@@ -97,9 +101,10 @@ mod tests {
         let cells = [2, 3].into_iter().flat_map(|prim| division(prim).corners().take(8).map(move |cell| (prim, cell)));
         let parts = cells.map(|(prim_id, places)| {
             let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim_id as usize];
-            let corners = places.map(|place| interpolate(corners, [1.0 - place.x - place.y, place.x, place.y]));
+            let part = TrianglePart { prim_id, places };
+            let corners = part.corners(&corners);
             let light = TriangleLight { corners, normal, radiance: 10.0, area: area(&corners), both_sides: true };
-            LitPart { prim_id, places, light, reach: reach.clone() }
+            LitPart { part, light, reach: reach.clone() }
         });
         world.lights.lit = SecondaryLights::new(parts.collect(), division, 4);
         world.lights.lit.aim_from(0.2, 1.0);

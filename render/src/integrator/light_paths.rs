@@ -148,7 +148,7 @@ impl LightPaths {
     /// The event of finding the light of this index among the world's lights.
     pub(super) fn light(&self, world: &World, number: u32) -> u32 {
         match &world.lights.lights()[number as usize] {
-            Light::Triangle(prim_id) => self.emitter(world.mesh_number(*prim_id)),
+            Light::Triangle(part) => self.emitter(world.mesh_number(part.prim_id)),
             Light::Punctual(_) => self.punctual[world.lights.punctual_number(number)],
             Light::Sky => self.sky,
         }

@@ -6,8 +6,10 @@
 //! [`distant`]). All these weights are irradiances, and a light's probability is its part of their sum.
 
 mod ambient;
+mod cells;
 mod choice;
 mod distant;
+mod emitters;
 pub(crate) mod few;
 mod grid;
 mod receiver;
@@ -18,14 +20,17 @@ mod tree;
 
 use std::f64::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::{Aabb, Triangle};
 
+pub(crate) use self::cells::{Division, PartTable, TrianglePart};
 pub(crate) use self::choice::{LightChoice, SampledLight};
 use self::distant::Patches;
+pub(crate) use self::emitters::EmissiveParts;
+use self::emitters::Emitters;
 use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
-pub(crate) use self::secondary_lights::{ChosenPart, Division, LitPart, Reach, SecondaryLights, place_in};
+pub(crate) use self::secondary_lights::{ChosenPart, LitPart, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{Openings, SkyLight, SkyPart};
 use self::tree::Tree;
@@ -54,22 +59,19 @@ pub(crate) struct LightSampler {
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: SecondaryLights,
-    /// The index of each `prim_id`'s light, or [`NO_LIGHT`]; empty if no triangle emits.
-    index_of: Vec<u32>,
+    /// Which light a point of a triangle belongs to.
+    emitters: PartTable,
     /// The box around all points near an emissive triangle.
     surroundings: Aabb,
     /// An estimate of the mean radiance that surfaces receive and send.
     mean_radiance: Vec3,
 }
 
-/// The value for a triangle that does not emit.
-const NO_LIGHT: u32 = u32::MAX;
-
 /// One light.
 #[derive(Clone, Debug)]
 pub(crate) enum Light {
-    /// An emissive triangle.
-    Triangle(u32),
+    /// A triangle that emits, or a part of one.
+    Triangle(TrianglePart),
     /// A delta light.
     Punctual(PunctualLight),
     /// The sky.
@@ -84,37 +86,21 @@ fn luminance(rgb: Vec3) -> f64 {
 impl LightSampler {
     /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the
     /// scene's. Of a triangle `front` gives the unit normal of its front, `None` if that is not the same side
-    /// everywhere.
+    /// everywhere, and `emissive_parts` those of its parts that emit, `None` if it emits evenly.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,
         front: impl Fn(usize) -> Option<Vec3>,
-        punctual: Vec<PunctualLight>,
-        sky: SkyLight,
+        emissive_parts: impl Fn(usize) -> Option<EmissiveParts>,
+        (punctual, sky): (Vec<PunctualLight>, SkyLight),
         bounds: Aabb,
     ) -> Self {
         let mean_radiance = ambient::mean_radiance(triangles, &material, &punctual, sky.mean(), bounds);
-        let (mut lights, mut emitting, mut areas) = (Vec::new(), Vec::new(), 0.0);
-        let (mut box_of_lights, mut index_of) = (Aabb::EMPTY, Vec::new());
-        for (prim_id, triangle) in triangles.iter().enumerate() {
-            let material = material(prim_id);
-            let area = area(triangle);
-            if material.emission != Vec3::ZERO && area > 0.0 {
-                index_of.resize(triangles.len(), NO_LIGHT);
-                index_of[prim_id] = lights.len() as u32;
-                lights.push(Light::Triangle(prim_id as u32));
-                let front = front(prim_id);
-                emitting.push(TriangleLight {
-                    corners: *triangle,
-                    normal: front.unwrap_or_else(|| halfdome_kernel::triangle_normal(triangle)),
-                    radiance: luminance_weight(material.emission),
-                    area,
-                    both_sides: material.emits_both_sides || front.is_none(),
-                });
-                areas += area;
-                box_of_lights = box_of_lights.union(&Aabb::around(triangle));
-            }
-        }
+        let Emitters { parts, lights: emitting, table } = Emitters::new(triangles, material, front, emissive_parts);
+        let areas: f32 = emitting.iter().map(|light| light.area).sum();
+        let around = |bounds: Aabb, light: &TriangleLight| bounds.union(&Aabb::around(&light.corners));
+        let box_of_lights = emitting.iter().fold(Aabb::EMPTY, around);
+        let mut lights: Vec<Light> = parts.into_iter().map(Light::Triangle).collect();
         let (mut points, mut directional) = (Vec::new(), Patches::default());
         let (distant, near): (Vec<_>, Vec<_>) =
             (0..).zip(punctual).partition(|(_, light)| matches!(light, PunctualLight::Directional { .. }));
@@ -173,7 +159,7 @@ impl LightSampler {
             punctual_numbers,
             sky,
             lit: SecondaryLights::default(),
-            index_of,
+            emitters: table,
             surroundings,
             mean_radiance,
         }
@@ -225,10 +211,11 @@ impl LightSampler {
         &self.lights
     }
 
-    /// The number of the light that triangle `prim_id` is, which must emit.
+    /// The number of the light at a point of triangle `prim_id` with these barycentric coordinates, if light samples find
+    /// any there.
     #[inline(always)]
-    pub(crate) fn light_of(&self, prim_id: u32) -> u32 {
-        self.index_of[prim_id as usize]
+    pub(crate) fn emitter_at(&self, prim_id: u32, place: Vec2) -> Option<u32> {
+        self.emitters.at(prim_id, place)
     }
 
     /// Replaces the punctual light of this index by another one, which lights no point that the old one does not light.
@@ -260,17 +247,12 @@ impl LightSampler {
         self.lights.len() > 1 || self.sky.has(part)
     }
 
-    /// The probability with which triangle `prim_id` is chosen for a receiver, among all lights and this part of the
-    /// sky.
+    /// The probability with which this triangle or part of one is chosen for a receiver, among all lights and this part
+    /// of the sky.
     #[inline(always)]
-    pub(crate) fn probability(&self, prim_id: u32, receiver: &Receiver, part: SkyPart) -> f32 {
-        match (&self.triangles, self.index_of.get(prim_id as usize)) {
-            (Some(tree), Some(&index)) if index != NO_LIGHT => {
-                let weight = tree.weight(index, receiver);
-                if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
-            }
-            _ => 0.0,
-        }
+    pub(crate) fn probability(&self, light: u32, receiver: &Receiver, part: SkyPart) -> f32 {
+        let weight = self.triangles.as_ref().map_or(0.0, |tree| tree.weight(light, receiver));
+        if weight > 0.0 { weight / self.weigh(receiver, part).total() } else { 0.0 }
     }
 
     /// The probability with which the punctual light of this number is chosen for a receiver, among all lights and this part of

@@ -6,17 +6,15 @@
 //! estimated contribution to a receiver. The probability of such a ray follows from their total irradiance, relative to
 //! the mean irradiance of the scene's surfaces. Each is a triangle of the scene, or a cell of one.
 
-mod cells;
-
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec2Swizzles, Vec3};
 use halfdome_kernel::Triangle;
 
-pub(crate) use self::cells::{Division, place_in};
+use super::Receiver;
+use super::cells::{Division, PartTable, TrianglePart};
 use super::tree::leaf::{TriangleLight, Triangles};
 use super::tree::{RootWeights, Tree, total};
-use super::{NO_LIGHT, Receiver};
 
 /// Bins of directions along each axis of an octahedral map.
 const SIDE: usize = 8;
@@ -37,9 +35,7 @@ impl Default for Reach {
 /// Part of a surface that is a secondary light.
 #[derive(Clone, Debug)]
 pub(crate) struct LitPart {
-    pub prim_id: u32,
-    /// The barycentric coordinates `(u, v)` of its corners in that triangle.
-    pub places: [Vec2; 3],
+    pub part: TrianglePart,
     /// How it shines, and where its corners are.
     pub light: TriangleLight,
     /// Nothing, until it is measured.
@@ -51,12 +47,7 @@ pub(crate) struct LitPart {
 pub(crate) struct SecondaryLights {
     tree: Option<Tree<Triangles>>,
     parts: Vec<LitPart>,
-    /// For each `prim_id` its number among the divided triangles, or [`NO_LIGHT`]; empty if there are none.
-    divided: Vec<u32>,
-    /// Of each divided triangle how, and its first cell.
-    divisions: Vec<(Division, usize)>,
-    /// The number of each cell's secondary light, or [`NO_LIGHT`].
-    cells: Vec<u32>,
+    table: PartTable,
     /// Their mean radiance by power, as luminance.
     radiance: f32,
     /// The irradiance from which on each path aims at them, likewise.
@@ -89,21 +80,8 @@ impl SecondaryLights {
         let power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance)).sum();
         let by_power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance * it.radiance)).sum();
         let radiance = (by_power / power) as f32;
-        let mut divided = vec![NO_LIGHT; triangles];
-        let (mut divisions, mut cells) = (Vec::new(), Vec::new());
-        for (index, part) in (0..).zip(&parts) {
-            let number = &mut divided[part.prim_id as usize];
-            if *number == NO_LIGHT {
-                *number = divisions.len() as u32;
-                let division = division_of(part.prim_id);
-                divisions.push((division, cells.len()));
-                cells.resize(cells.len() + division.count() as usize, NO_LIGHT);
-            }
-            let (division, first) = divisions[*number as usize];
-            let cell = division.cell_at(part.middle());
-            cells[first + cell as usize] = index;
-        }
-        Self { tree: Tree::build(&lights), parts, divided, divisions, cells, radiance, worth: 0.0, elsewhere: 0.0 }
+        let table = PartTable::new(parts.iter().map(|lit| &lit.part), division_of, triangles);
+        Self { tree: Tree::build(&lights), parts, table, radiance, worth: 0.0, elsewhere: 0.0 }
     }
 
     /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
@@ -128,10 +106,8 @@ impl SecondaryLights {
     /// The secondary light at a point of triangle `prim_id` with these barycentric coordinates.
     #[inline(always)]
     pub(crate) fn at(&self, prim_id: u32, place: Vec2) -> Option<PartAt<'_>> {
-        let &number = self.divided.get(prim_id as usize).filter(|number| **number != NO_LIGHT)?;
-        let (division, first) = self.divisions[number as usize];
-        let index = self.cells[first + division.cell_at(place) as usize];
-        self.parts.get(index as usize).map(|part| PartAt { part, index })
+        let index = self.table.at(prim_id, place)?;
+        Some(PartAt { part: &self.parts[index as usize], index })
     }
 
     /// All of them.
@@ -194,11 +170,6 @@ impl LitPart {
     #[inline(always)]
     pub(crate) fn may_reach(&self, direction: Vec3, distance: f32) -> bool {
         distance <= SLACK * self.reach.0[bin(direction)]
-    }
-
-    /// The barycentric coordinates of its middle.
-    pub(crate) fn middle(&self) -> Vec2 {
-        place_in(&self.places, Vec2::splat(1.0 / 3.0))
     }
 
     /// Its corners in space.

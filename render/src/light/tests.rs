@@ -61,7 +61,7 @@ fn lights(
 ) -> LightSampler {
     let bounds = triangles.iter().fold(Aabb::EMPTY, |bounds, triangle| bounds.union(&Aabb::around(triangle)));
     let front = |prim: usize| Some(halfdome_kernel::triangle_normal(&triangles[prim]));
-    LightSampler::new(&triangles, |prim| &materials[prim], front, punctual, SkyLight::new(sky), bounds)
+    LightSampler::new(&triangles, |prim| &materials[prim], front, |_| None, (punctual, SkyLight::new(sky)), bounds)
 }
 
 fn receiver(i: u32, scale: f32) -> Receiver {
@@ -75,7 +75,10 @@ fn probabilities(lights: &LightSampler, receiver: &Receiver, part: SkyPart) -> V
     let (mut points, mut directional) = (0, 0);
     let share = |source: &Light| {
         f64::from(match source {
-            Light::Triangle(prim_id) => return lights.probability(*prim_id, receiver, part).into(),
+            Light::Triangle(part_of) => {
+                let light = lights.emitter_at(part_of.prim_id, part_of.middle()).unwrap();
+                return lights.probability(light, receiver, part).into();
+            }
             Light::Sky => return weights.sky_probability().into(),
             Light::Punctual(PunctualLight::Directional { .. }) => {
                 directional += 1;

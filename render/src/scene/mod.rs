@@ -53,5 +53,6 @@ pub use scene_file::overrides::{
     SkyOverrides,
 };
 pub use scene_file::value::MatteKinds;
+pub(crate) use texture::BrightnessTable;
 pub use texture::{ColorSpace, Texture, TextureFilter, TextureMap, Wrap};
 pub(crate) use union_find::UnionFind;

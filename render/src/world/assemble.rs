@@ -3,6 +3,7 @@
 use glam::Vec3;
 use halfdome_kernel::{BuildOptions, Bvh, Executor, Triangle, offset_distance, triangle_normal};
 
+use super::emission_cells::EmissionCells;
 use super::media::Solids;
 use super::placement::instances::Instances;
 use super::placement::motion::Motion;
@@ -12,7 +13,7 @@ use super::surface::closures::ClosureCell;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use super::surface::shadow_terminator::Convexity;
 use super::{World, WorldError};
-use crate::light::{Light, LightSampler, SkyLight, area};
+use crate::light::{Light, LightSampler, SkyLight};
 use crate::material::Kind;
 use crate::scene::{LightLabel, Material, Mesh, Scene};
 
@@ -69,15 +70,19 @@ impl World {
         let mut shown = lights;
         let moved: Vec<_> =
             spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
-        let mut lights = LightSampler::new(&corners, material, front, shown, SkyLight::new(sky), bounds);
+        let cells = EmissionCells::new((&meshes, &first_faces), (&materials, &textures), &triangle_records[..still]);
+        let cells = |prim: usize| cells.of(prim);
+        let shining = (shown, SkyLight::new(sky));
+        let mut lights = LightSampler::new(&corners, material, front, cells, shining, bounds);
         moved.into_iter().for_each(|(number, light)| lights.replace_punctual(number, light));
         let material_records = materials.iter().map(MaterialRecord::of).collect();
         let emitter = |light: &Light| match *light {
-            Light::Triangle(prim_id) => {
-                let face = &triangle_records[prim_id as usize];
+            Light::Triangle(part) => {
+                let prim = part.prim_id as usize;
+                let face = &triangle_records[prim];
                 let material = &materials[face.material as usize];
-                let mut record = EmitterRecord::of(face, front(prim_id as usize), material, area(&face.corners));
-                record.is_plain &= u32::from((prim_id as usize) < still);
+                let mut record = EmitterRecord::of(face, &part, front(prim), material);
+                record.is_plain &= u32::from(prim < still);
                 record
             }
             _ => EmitterRecord::NONE,

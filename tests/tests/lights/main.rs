@@ -9,6 +9,7 @@ mod profiles;
 mod secondary;
 mod sizes;
 mod tables;
+mod textured;
 
 use std::f64::consts::PI;
 

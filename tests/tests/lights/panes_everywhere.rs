@@ -126,12 +126,13 @@ fn all_integrators_see_what_panes_reflect() {
     }
 }
 
-/// Gloss, whose reflections are followed by rays of its own, and the rest by records.
+/// Gloss, whose reflections are followed by rays of its own, and what is left by records: of plastic and of metal.
 #[test]
 fn gloss_below_panes_is_as_bright_in_all_integrators() {
-    for thin_walled in [true, false] {
+    for (thin_walled, base_metalness) in [(true, 0.0), (false, 0.0), (true, 1.0), (false, 1.0)] {
         let mut scene = below_a_pane(thin_walled, 0.0);
-        let inputs = Inputs { base_color: Vec3::splat(0.8), specular_roughness: 0.3, ..Inputs::default() };
+        let base_color = Vec3::splat(0.8);
+        let inputs = Inputs { base_color, base_metalness, specular_roughness: 0.3, ..Inputs::default() };
         scene.materials[0] = Material { inputs, ..Material::default() };
         scene.sky = Sky::constant(Vec3::ONE);
         let [_, (_, montecarlo), (_, cached), (_, path)] = integrators();
@@ -139,7 +140,7 @@ fn gloss_below_panes_is_as_bright_in_all_integrators() {
         for integrator in [montecarlo, cached] {
             let found = Estimate::of(&means(&scene, &integrator));
             let z = found.z(&expected, 5e-3).max_element();
-            assert!(z < 4.5, "{integrator:?}: {found:?} and {expected:?}: {z}");
+            assert!(z < 4.5, "{integrator:?}, metalness {base_metalness}: {found:?} and {expected:?}: {z}");
         }
     }
 }

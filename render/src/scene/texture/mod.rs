@@ -7,6 +7,7 @@
 //! Filtering is bilinear or none; it mixes linear colours. Deviation: there are no mip levels: the samples of a pixel
 //! average over distant texels.
 
+mod brightness;
 mod decode;
 mod error;
 #[cfg(feature = "ktx2")]
@@ -18,6 +19,7 @@ use std::sync::LazyLock;
 
 use glam::{DVec4, IVec2, Vec2, Vec4};
 
+pub(crate) use brightness::BrightnessTable;
 pub(crate) use decode::decode;
 pub use map::{ColorSpace, TextureFilter, TextureMap, Wrap};
 pub(crate) use store::{Problem, TextureStore};

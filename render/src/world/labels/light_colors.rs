@@ -14,7 +14,7 @@ impl World {
     /// The colour of a light by its index among all, in linear sRGB.
     pub(crate) fn light_color(&self, light: u32) -> Vec3 {
         match &self.lights.lights()[light as usize] {
-            Light::Triangle(prim_id) => self.mesh_light_color(self.mesh_number(*prim_id)),
+            Light::Triangle(part) => self.mesh_light_color(self.mesh_number(part.prim_id)),
             Light::Punctual(_) => color(1 + self.lights.punctual_number(light)),
             Light::Sky => color(0),
         }

@@ -55,8 +55,8 @@ impl World {
                 let Some(choice) = self.lights.choose(&receiver, &weights, u) else { continue };
                 chosen += 1.0;
                 match &self.lights.lights()[choice.index as usize] {
-                    Light::Triangle(prim_id) => {
-                        shares.materials[self.triangle_records[*prim_id as usize].material as usize] += 1.0;
+                    Light::Triangle(part) => {
+                        shares.materials[self.triangle_records[part.prim_id as usize].material as usize] += 1.0;
                     }
                     Light::Punctual(_) => shares.punctual[self.lights.punctual_number(choice.index)] += 1.0,
                     Light::Sky => shares.sky += 1.0,

@@ -10,9 +10,9 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
 
-use crate::light::{Light, Receiver, SkyPart, TriangleLight, area, luminance_weight, place_in};
+use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
 use crate::scene::PunctualLight;
-use crate::world::{Surface, World, interpolate};
+use crate::world::{Surface, World};
 
 /// Points of a part of a surface at which its light is estimated.
 const POINTS: u32 = 4;
@@ -33,7 +33,8 @@ impl World {
 
     /// A part of a triangle as the light that it is by what it scatters, if that is at least so bright. `indirect` is the
     /// part of it by light that was reflected before.
-    pub(super) fn lit(&self, prim_id: u32, places: &[Vec2; 3], (indirect, least): (f32, f32)) -> Option<TriangleLight> {
+    pub(super) fn lit(&self, part: &TrianglePart, (indirect, least): (f32, f32)) -> Option<TriangleLight> {
+        let prim_id = part.prim_id;
         let record = &self.triangle_records[prim_id as usize];
         let material = &self.materials[record.material as usize];
         if self.albedo(prim_id) <= 0.0 || material.is_glass() {
@@ -42,7 +43,7 @@ impl World {
         let mut sides = [indirect; 2];
         for number in 0..POINTS {
             let place = TriangleWarp.map(Sampler::new(Pattern::Sobol, 0, prim_id, number).uniform2(3));
-            let place = place_in(places, place);
+            let place = part.place(place);
             let front = self.surface(prim_id, place.x, place.y);
             let back = front.facing(front.normal);
             sides[0] += self.scattered(&front, number) / POINTS as f32;
@@ -58,7 +59,7 @@ impl World {
         }
         let both_sides = sides[0].min(sides[1]) >= least;
         let normal = if sides[0] >= sides[1] { record.normal } else { -record.normal };
-        let corners = places.map(|place| interpolate(record.corners, [1.0 - place.x - place.y, place.x, place.y]));
+        let corners = part.corners(&record.corners);
         Some(TriangleLight { corners, normal, radiance, area: area(&corners), both_sides })
     }
 
@@ -99,9 +100,9 @@ impl World {
         let light = &self.lights.lights()[light as usize];
         let is_punctual = matches!(light, Light::Punctual(_));
         let end = match light {
-            Light::Triangle(prim_id) => {
-                let point = TriangleWarp.map(u);
-                self.surface(*prim_id, point.x, point.y).end_from(side.position)
+            Light::Triangle(part) => {
+                let point = part.place(TriangleWarp.map(u));
+                self.surface(part.prim_id, point.x, point.y).end_from(side.position)
             }
             Light::Punctual(
                 PunctualLight::Point { position, .. }

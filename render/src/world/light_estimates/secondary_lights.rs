@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::aim_plan::{AimPlan, LEAST};
 use super::bounces::{Bounce, INDIRECT_SALT, View};
 use super::seen_points::SeenPoints;
-use crate::light::{Division, LitPart, Reach, SecondaryLights, area, place_in};
+use crate::light::{Division, LitPart, Reach, SecondaryLights, TrianglePart, area};
 use crate::world::{Hit, World};
 
 /// The part of the total area from which on triangles are divided, if bounces find them lit.
@@ -168,28 +168,28 @@ impl World {
         least: f32,
     ) -> Vec<LitPart> {
         let small = small.into_par_iter().map(|prim| (prim, Division { side: 1 }));
-        let cells = small
-            .chain(divisions.par_iter().map(|(&prim, &division)| (prim, division)))
-            .flat_map_iter(|(prim, division)| division.corners().map(move |places| (prim, places)));
+        let cells = small.chain(divisions.par_iter().map(|(&prim, &division)| (prim, division))).flat_map_iter(
+            |(prim_id, division)| division.corners().map(move |places| TrianglePart { prim_id, places }),
+        );
         cells
-            .filter_map(|(prim_id, places)| {
-                let indirect = found.get(&prim_id).map_or(0.0, |found| found.indirect);
-                let light = self.lit(prim_id, &places, (indirect, least))?;
-                Some(LitPart { prim_id, places, light, reach: Reach::default() })
+            .filter_map(|part| {
+                let indirect = found.get(&part.prim_id).map_or(0.0, |found| found.indirect);
+                let light = self.lit(&part, (indirect, least))?;
+                Some(LitPart { part, light, reach: Reach::default() })
             })
             .collect()
     }
 
     /// The reach of a part's light, by so many rays; misses count as far.
     fn reach(&self, part: &LitPart, count: u32) -> Reach {
-        let LitPart { prim_id, places, light, .. } = part;
-        let sampler = |number| Sampler::new(Pattern::Sobol, 0, *prim_id, number);
+        let LitPart { part, light, .. } = part;
+        let sampler = |number| Sampler::new(Pattern::Sobol, 0, part.prim_id, number);
         let ray = |number: u32| {
             let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
-            let point = place_in(places, TriangleWarp.map(Vec2::new(x, y)));
+            let point = part.place(TriangleWarp.map(Vec2::new(x, y)));
             let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
             let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
-            Ray::new(self.surface(*prim_id, point.x, point.y).origin_towards(direction), direction)
+            Ray::new(self.surface(part.prim_id, point.x, point.y).origin_towards(direction), direction)
         };
         let rays: Vec<Ray> = (0..count).map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];

@@ -6,7 +6,7 @@
 use glam::Mat3;
 use halfdome_kernel::Triangle;
 
-use crate::light::area;
+use crate::light::{TrianglePart, area};
 use crate::scene::{PunctualLight, Turn};
 use crate::world::{Hit, InstanceRecord, Motion, TriangleRecord, World};
 
@@ -63,13 +63,13 @@ impl World {
         Some(records[hit.instance as usize].turn())
     }
 
-    /// The corners of an emitter at a time, and its area.
+    /// The corners of a light that is a part of a triangle at a time, and its area. Triangles that move are not divided.
     #[inline(always)]
-    pub(crate) fn emitter_at(&self, prim_id: u32, time: f32) -> (Triangle, f32) {
-        if let Some(corners) = self.motion.as_ref().and_then(|motion| motion.corners(prim_id, time)) {
+    pub(crate) fn emitter_at(&self, light: u32, part: &TrianglePart, time: f32) -> (Triangle, f32) {
+        if let Some(corners) = self.motion.as_ref().and_then(|motion| motion.corners(part.prim_id, time)) {
             return (corners, area(&corners));
         }
-        let emitter = self.emitter(prim_id);
+        let emitter = &self.emitter_records[light as usize];
         (emitter.corners, emitter.area)
     }
 

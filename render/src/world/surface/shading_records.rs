@@ -8,9 +8,9 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use halfdome_kernel::{Triangle, offset_distance, triangle_normal};
 
+use crate::light::{TrianglePart, area};
 use crate::material::Kind;
 use crate::scene::Material;
-use crate::world::World;
 
 /// A triangle, with the data that most hits need in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -94,21 +94,15 @@ impl EmitterRecord {
         unused: [0; 5],
     };
 
-    /// The light that a triangle of this material is, with the unit normal of its front if that is the same side
-    /// everywhere.
-    pub(crate) fn of(face: &TriangleRecord, front: Option<Vec3>, material: &Material, area: f32) -> Self {
-        let TriangleRecord { corners, normal, offset, .. } = *face;
+    /// The light that a part of a triangle of this material is, with the unit normal of its front if that is the same
+    /// side everywhere.
+    pub(crate) fn of(face: &TriangleRecord, part: &TrianglePart, front: Option<Vec3>, material: &Material) -> Self {
+        let TriangleRecord { normal, offset, .. } = *face;
+        let corners = part.corners(&face.corners);
+        let area = area(&corners);
         let is_plain = front.is_some() && material.is_uniform() && !material.has_holes();
         let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);
         let normal = front.unwrap_or(normal);
         Self { corners, normal, offset, emission, area, emits_both_sides, is_plain: is_plain.into(), ..Self::NONE }
-    }
-}
-
-impl World {
-    /// The light that triangle `prim_id` is, which must emit.
-    #[inline(always)]
-    pub(crate) fn emitter(&self, prim_id: u32) -> &EmitterRecord {
-        &self.emitter_records[self.lights.light_of(prim_id) as usize]
     }
 }
