@@ -6,7 +6,7 @@
 //! is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see [`light_warp`]). A
 //! constant sky is sampled by the cosine, with the density `P cos θ / π`, any other sky by its brightness.
 //!
-//! [`sample_light`] and the densities, [`emitted_density`], [`sky_density`] and that of
+//! [`sample_light`] and the densities, [`emitted_density`], [`seen_sky`] and that of
 //! [`seen_lights`](super::seen_lights), are the interface for integrators, sensors, bakes and probes. The caller
 //! chooses the part of the sky that light samples cover ([`SkyPart`]). With [`SkyPart::Bright`] it takes further samples
 //! of the sky through openings ([`Openings`](crate::light::Openings)), whose density counts beside that of these.
@@ -20,7 +20,7 @@ use super::light_warp::light_warp;
 use super::punctual::{PunctualSample, sample_punctual};
 use super::reflected::{ReflectedLight, sample_reflected};
 use crate::bsdf::Scattering;
-use crate::light::{Light, Receiver, SampledLight, SkyPart, TrianglePart};
+use crate::light::{Light, Receiver, SampledLight, SkyPart, SkySample, TrianglePart};
 use crate::material::Bsdf;
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World};
@@ -171,18 +171,19 @@ pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -
     if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
 }
 
-/// The density per solid angle with which light samples at `receiver` that look at this part of the sky with a probability,
-/// and those through openings, look in a unit vector.
-pub(crate) fn sky_density(
+/// The radiance of the sky in a unit vector, and the density per solid angle with which light samples at `receiver` that look
+/// at this part of it with a probability, and those through openings, look there.
+pub(crate) fn seen_sky(
     world: &World,
     receiver: &Receiver,
     (probability, part): (f32, SkyPart),
     direction: Vec3,
-) -> f32 {
+) -> (Vec3, f32) {
     let sky = &world.lights.sky;
     let openings = sky.openings().filter(|_| part == SkyPart::Bright);
     let through_openings = openings.map_or(0.0, |openings| openings.density(receiver, direction));
-    probability * sky.density(receiver, part, direction) + through_openings
+    let SkySample { radiance, density, .. } = sky.seen(receiver, part, direction);
+    (radiance, probability * density + through_openings)
 }
 
 /// Light from what was chosen; which point or direction, `v` says with what the choice left.
@@ -269,6 +270,9 @@ pub(crate) fn area_light_sample(
 fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32, u: Vec2) -> Option<LightSample> {
     let (sky, receiver) = (&world.lights.sky, surface.receiver());
     let sample = sky.sample(&receiver, part, u);
+    if !surface.transmits && surface.normal.dot(sample.direction) <= 0.0 {
+        return None;
+    }
     let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
     let openings = sky.openings().filter(|_| part == SkyPart::Bright);
     let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, sample.direction));

@@ -21,7 +21,7 @@ pub(crate) use adaptive_gather::AdaptiveGatherer;
 pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_direct_by, sample_light, scattered_weight,
-    sky_density, sky_probability,
+    seen_sky, sky_probability,
 };
 pub(crate) use follow::Follow;
 pub(crate) use gather::{GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};

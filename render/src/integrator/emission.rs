@@ -4,7 +4,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 
 use super::state::Path;
-use crate::estimator::{SeenLight, emitted_density, seen_lights, sky_density};
+use crate::estimator::{SeenLight, emitted_density, seen_lights, seen_sky};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Between, Hit, Surface, World};
@@ -19,8 +19,8 @@ pub(super) fn sky(world: &World, (lights, part): (LightSampling, SkyPart), path:
     if path.density == f32::INFINITY {
         return sky.radiance(direction);
     }
-    let density = sky_density(world, &path.receiver(ray.origin), (path.sky_probability, part), direction);
-    sky.radiance(direction) * lights.bounce_weight(path.density, density)
+    let (radiance, density) = seen_sky(world, &path.receiver(ray.origin), (path.sky_probability, part), direction);
+    radiance * lights.bounce_weight(path.density, density)
 }
 
 /// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the

@@ -32,7 +32,7 @@ use self::few::FEW;
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::secondary_lights::{ChosenPart, LitPart, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
-pub(crate) use self::sky::{Openings, SkyLight, SkyPart};
+pub(crate) use self::sky::{Openings, SkyLight, SkyPart, SkySample};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
 pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};

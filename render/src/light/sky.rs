@@ -179,8 +179,19 @@ impl SkyLight {
         };
         let direction = peaks.sample(picture, u);
         let around = picture.around(direction);
-        let radiance = around.mean(|texel| if part == SkyPart::Sun { peaks.split(texel).1 } else { texel });
+        let radiance =
+            if part == SkyPart::Sun { around.mean(|texel| peaks.split(texel).1) } else { around.mean(|it| it) };
         SkySample { direction, radiance, density: peaks.density(&around) }
+    }
+
+    /// What [`sample`](Self::sample) finds of all of the sky if it gives this unit vector.
+    pub(crate) fn seen(&self, receiver: &Receiver, part: SkyPart, direction: Vec3) -> SkySample {
+        let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
+            let density = self.density(receiver, part, direction);
+            return SkySample { direction, radiance: self.radiance(direction), density };
+        };
+        let around = picture.around(direction);
+        SkySample { direction, radiance: around.mean(|texel| texel), density: peaks.density(&around) }
     }
 
     /// The density per solid angle with which [`sample`](Self::sample) gives this unit vector.

@@ -199,11 +199,12 @@ impl PathBlock {
         is_other.then(|| SampledLight { index: lights[i], probability: probability[i], rest: uv[0][i] })
     }
 
-    /// The density with which samples of the chosen light of path `i` look to this part of the sky in a direction, without
-    /// those through openings.
+    /// The radiance of the sky in a direction, and the density with which samples of the chosen light of path `i` look there if
+    /// they look for this part of the sky, without those through openings.
     #[inline(always)]
-    pub(super) fn density_anywhere(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> f32 {
-        self.light_samples.sky_probability[i] * world.lights.sky.density(&self.receiver(i), part, direction)
+    pub(super) fn sky_anywhere(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> (Vec3, f32) {
+        let seen = world.lights.sky.seen(&self.receiver(i), part, direction);
+        (seen.radiance, self.light_samples.sky_probability[i] * seen.density)
     }
 
     /// The probability with which each path's samples of the chosen light look at the sky.

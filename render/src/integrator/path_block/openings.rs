@@ -107,14 +107,18 @@ impl Task for OpeningSamples<'_> {
         let densities = seen.densities(block, openings, &shadows.towards);
         for i in (0..block.len).filter(|&i| (block.goes_on[i] != 0) & (seen.total[i] > 0.0)) {
             let (surface, direction) = (block.surface(i, matte), shadows.towards.get(i));
-            let inv_density = (densities[i] + block.density_anywhere(world, part, i, direction)).recip();
-            let is_above = surface.transmits | (surface.normal.dot(direction) > 0.0);
+            shadows.per_density[i] = 0.0;
+            if !surface.transmits && surface.normal.dot(direction) <= 0.0 {
+                continue;
+            }
+            let (radiance, anywhere) = block.sky_anywhere(world, part, i, direction);
+            let inv_density = (densities[i] + anywhere).recip();
             shadows.rays.origin.set(i, surface.origin_towards(direction));
             shadows.rays.direction.set(i, direction);
             shadows.waiting.index[i] = block.paths.index[i];
-            shadows.waiting.light.set(i, sky.radiance(direction) * inv_density);
+            shadows.waiting.light.set(i, radiance * inv_density);
             shadows.per_density[i] = inv_density;
-            shadows.lit[i] = u32::from(is_above & inv_density.is_finite());
+            shadows.lit[i] = u32::from(inv_density.is_finite());
         }
     }
 }

@@ -7,14 +7,14 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::texels::{Around, SkyTexels};
-use crate::light::brightness;
+use crate::film::LUMINANCE;
 use crate::light::distant::Patches;
 use crate::scene::SkyPicture;
 
 /// The part of a picture above a limit.
 #[derive(Debug)]
 pub(super) struct Peaks {
-    limit: f64,
+    limit: f32,
     /// Sums of the excess over solid angle up to each row; one more than there are rows.
     sums: Vec<f64>,
     /// Where the texels of each row begin in the lists below; one more than there are rows.
@@ -22,6 +22,8 @@ pub(super) struct Peaks {
     columns: Vec<u32>,
     /// The part of its row's excess that a texel and those before it have.
     parts: Vec<f32>,
+    /// The reciprocal of the sum of all.
+    per_total: f32,
 }
 
 /// Patches in a picture, from top to bottom and around.
@@ -30,13 +32,15 @@ const PATCHES: [u32; 2] = [6, 12];
 impl Peaks {
     /// `None` if nothing is brighter than the limit.
     pub(super) fn of(picture: &SkyPicture, limit: f64) -> Option<Self> {
-        let mut peaks = Self { limit, sums: vec![0.0], first: vec![0], columns: Vec::new(), parts: Vec::new() };
+        let limit = limit as f32;
+        let mut peaks =
+            Self { limit, sums: vec![0.0], first: vec![0], columns: Vec::new(), parts: Vec::new(), per_total: 0.0 };
         let mut sum = 0.0;
         for (row, texels) in (0..).zip(picture.texels.chunks_exact(picture.width as usize)) {
             let (start, mut along) = (peaks.parts.len(), 0.0);
             let mut ends = Vec::new();
             for (column, texel) in (0..).zip(texels) {
-                let excess = peaks.excess(*texel);
+                let excess = f64::from(peaks.excess(*texel));
                 if excess > 0.0 {
                     along += excess;
                     peaks.columns.push(column);
@@ -52,10 +56,12 @@ impl Peaks {
             peaks.sums.push(sum);
             peaks.first.push(peaks.parts.len() as u32);
         }
+        peaks.per_total = sum.recip() as f32;
         (sum > 0.0).then_some(peaks)
     }
 
-    fn excess(&self, radiance: Vec3) -> f64 {
+    #[inline(always)]
+    fn excess(&self, radiance: Vec3) -> f32 {
         (brightness(radiance) - self.limit).max(0.0)
     }
 
@@ -82,7 +88,7 @@ impl Peaks {
 
     /// The density per solid angle of the direction to what is between these texels.
     pub(super) fn density(&self, around: &Around) -> f32 {
-        (around.mean_number(|texel| self.excess(texel)) / self.total()) as f32
+        around.mean_number(|texel| self.excess(texel)) * self.per_total
     }
 
     /// The parts below and above the limit.
@@ -91,7 +97,7 @@ impl Peaks {
         if brightness <= self.limit {
             return (radiance, Vec3::ZERO);
         }
-        let dim = radiance * (self.limit / brightness) as f32;
+        let dim = radiance * (self.limit / brightness);
         (dim, radiance - dim)
     }
 
@@ -119,7 +125,7 @@ impl Peaks {
             texels.direction_to(Vec2::new(column as f32 + across, row as f32 + down))
         };
         self.each(picture, |row, column, texel| {
-            let flux = self.excess(texel) * picture.solid_angle(row);
+            let flux = f64::from(self.excess(texel)) * picture.solid_angle(row);
             let (sum, vector) = &mut fluxes[patch_of(row, column)];
             *sum += flux;
             *vector += flux * direction(row, column, 0.5, 0.5).as_dvec3();
@@ -142,4 +148,10 @@ impl Peaks {
         }
         patches
     }
+}
+
+/// Luminance, but not zero for what is not black, in single precision, as directions are looked up often.
+#[inline(always)]
+fn brightness(rgb: Vec3) -> f32 {
+    rgb.dot(LUMINANCE.as_vec3()).max(0.05 * rgb.max_element())
 }
