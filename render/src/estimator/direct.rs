@@ -146,7 +146,7 @@ pub(crate) fn emitted_density(
         return 0.0;
     }
     let Light::Triangle(cell) = &world.lights.lights()[light as usize] else { return 0.0 };
-    let (corners, area) = world.emitter_at(light, cell, hit.time);
+    let (corners, area) = world.emitter_corners(light, cell, hit.time);
     let place = TriangleWarp.inverse(cell.coordinates(place));
     let on_light = light_warp(receiver, &corners, LightSampling::Mis).density(place);
     probability * on_light * hit.t * hit.t / (area * emitter.normal.dot(ray.direction).abs())
@@ -222,7 +222,7 @@ fn sample_triangle(
     (choice, part): (&SampledLight, &TrianglePart),
     u: Vec2,
 ) -> Option<LightSample> {
-    let ((corners, area), receiver) = (world.emitter_at(choice.index, part, surface.time), surface.receiver());
+    let ((corners, area), receiver) = (world.emitter_corners(choice.index, part, surface.time), surface.receiver());
     let warp = light_warp(&receiver, &corners, lights);
     let place = warp.map(u);
     let area = area / choice.probability * warp.per_density(place);

@@ -44,7 +44,7 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
     let origin = surface.origin_towards(direction);
     is_any.then(|| AimedRay {
         ray: Ray::new(origin, (end - origin).normalize()),
-        prim_id: part.part.prim_id,
+        prim_id: part.cell.prim_id,
         inv_density,
     })
 }
@@ -101,10 +101,10 @@ mod tests {
         let cells = [2, 3].into_iter().flat_map(|prim| division(prim).corners().take(8).map(move |cell| (prim, cell)));
         let parts = cells.map(|(prim_id, places)| {
             let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim_id as usize];
-            let part = TrianglePart { prim_id, places };
-            let corners = part.corners(&corners);
+            let cell = TrianglePart { prim_id, places };
+            let corners = cell.corners(&corners);
             let light = TriangleLight { corners, normal, radiance: 10.0, area: area(&corners), both_sides: true };
-            LitPart { part, light, reach: reach.clone() }
+            LitPart { cell, light, reach: reach.clone() }
         });
         world.lights.lit = SecondaryLights::new(parts.collect(), division, 4);
         world.lights.lit.aim_from(0.2, 1.0);

@@ -86,7 +86,7 @@ fn luminance(rgb: Vec3) -> f64 {
 impl LightSampler {
     /// The lights among `triangles`, whose materials `material` gives, `punctual`, and the sky; `bounds` are the
     /// scene's. Of a triangle `front` gives the unit normal of its front, `None` if that is not the same side
-    /// everywhere, and `emissive_parts` those of its parts that emit, `None` if it emits evenly.
+    /// everywhere, and `emissive_parts` those of its parts that emit, `None` if it is one light.
     pub(crate) fn new<'m>(
         triangles: &[Triangle],
         material: impl Fn(usize) -> &'m Material,

@@ -35,7 +35,7 @@ impl Default for Reach {
 /// Part of a surface that is a secondary light.
 #[derive(Clone, Debug)]
 pub(crate) struct LitPart {
-    pub part: TrianglePart,
+    pub cell: TrianglePart,
     /// How it shines, and where its corners are.
     pub light: TriangleLight,
     /// Nothing, until it is measured.
@@ -80,7 +80,7 @@ impl SecondaryLights {
         let power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance)).sum();
         let by_power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance * it.radiance)).sum();
         let radiance = (by_power / power) as f32;
-        let table = PartTable::new(parts.iter().map(|lit| &lit.part), division_of, triangles);
+        let table = PartTable::new(parts.iter().map(|part| &part.cell), division_of, triangles);
         Self { tree: Tree::build(&lights), parts, table, radiance, worth: 0.0, elsewhere: 0.0 }
     }
 

@@ -15,8 +15,8 @@ use crate::scene::{BrightnessTable, Material, Mesh, Texture, TextureMap};
 
 /// The least number of texels along a cell's edge.
 const LEAST_TEXELS: f32 = 2.0;
-/// Cells of all triangles, about, and the most along a triangle's edge.
-const CELLS: f64 = 32_768.0;
+/// Cells of all triangles, at most, beside one for each, and the most along a triangle's edge.
+const CELLS: u64 = 65_536;
 const MAX_SIDE: f32 = 64.0;
 /// Where the mean of four squared radiances is no more than this multiple of the squared mean, cells are one light.
 const UNEVEN: f32 = 1.1;
@@ -48,10 +48,12 @@ impl<'a> EmissionCells<'a> {
         let tables = materials.par_iter().enumerate().filter_map(table).collect();
         let mut cells = Self { meshes, first_faces, materials, records, tables, texels: LEAST_TEXELS };
         if !cells.tables.is_empty() {
-            let extents = (0..records.len()).into_par_iter().filter_map(|prim| cells.texture(prim));
-            let area: f64 =
-                extents.map(|(table, map, corners)| table.extent(map, &corners).powi(2)).map(f64::from).sum();
-            cells.texels = cells.texels.max((area / CELLS).sqrt() as f32);
+            let textures = (0..records.len()).into_par_iter().filter_map(|prim| cells.texture(prim));
+            let extents: Vec<f32> = textures.map(|(table, map, corners)| table.extent(map, &corners)).collect();
+            let count = |texels: f32| extents.iter().map(|&extent| u64::from(side(extent, texels).pow(2))).sum::<u64>();
+            while count(cells.texels) > CELLS + extents.len() as u64 {
+                cells.texels *= std::f32::consts::SQRT_2;
+            }
         }
         cells
     }
@@ -66,11 +68,10 @@ impl<'a> EmissionCells<'a> {
         Some((table, map, face.map(|corner| texcoords[corner as usize])))
     }
 
-    /// The parts of a triangle that emit; `None` if it emits evenly, or moves.
+    /// The parts of a triangle that emit; `None` if it has no emissive texture, or moves.
     pub(super) fn of(&self, prim: usize) -> Option<EmissiveParts> {
         let (table, map, [a, b, c]) = self.texture(prim)?;
-        let side = (table.extent(map, &[a, b, c]) / self.texels).clamp(1.0, MAX_SIDE).ceil() as u32;
-        let division = Division { side: side.next_power_of_two() };
+        let division = Division { side: side(table.extent(map, &[a, b, c]), self.texels) };
         let texcoord = |place: Vec2| a + (b - a) * place.x + (c - a) * place.y;
         let radiance = |part: &TrianglePart| table.mean(map, &part.places.map(texcoord));
         let (whole, mut parts) = (TrianglePart::whole(prim as u32), Vec::new());
@@ -79,6 +80,12 @@ impl<'a> EmissionCells<'a> {
         }
         Some(EmissiveParts { division, parts })
     }
+}
+
+/// The number of cells along the edges of a triangle whose texture has so many texels along the longest of them: a power of
+/// two.
+fn side(extent: f32, texels: f32) -> u32 {
+    ((extent / texels).clamp(1.0, MAX_SIDE).ceil() as u32).next_power_of_two()
 }
 
 /// The mean radiance of a part if it emits evenly. Otherwise gives those of its parts that do; the smallest are divided so many

@@ -130,8 +130,8 @@ impl World {
 
     /// Whether nothing is between a point and the middle of a part.
     fn is_seen(&self, part: &LitPart, point: &Surface) -> bool {
-        let place = part.part.middle();
-        let middle = self.surface(part.part.prim_id, place.x, place.y);
+        let place = part.cell.middle();
+        let middle = self.surface(part.cell.prim_id, place.x, place.y);
         let vector = middle.position - point.position;
         !self.occluded(&Ray::between(point.origin_towards(vector), middle.end_from(point.position)))
     }

@@ -172,24 +172,24 @@ impl World {
             |(prim_id, division)| division.corners().map(move |places| TrianglePart { prim_id, places }),
         );
         cells
-            .filter_map(|part| {
-                let indirect = found.get(&part.prim_id).map_or(0.0, |found| found.indirect);
-                let light = self.lit(&part, (indirect, least))?;
-                Some(LitPart { part, light, reach: Reach::default() })
+            .filter_map(|cell| {
+                let indirect = found.get(&cell.prim_id).map_or(0.0, |found| found.indirect);
+                let light = self.lit(&cell, (indirect, least))?;
+                Some(LitPart { cell, light, reach: Reach::default() })
             })
             .collect()
     }
 
     /// The reach of a part's light, by so many rays; misses count as far.
     fn reach(&self, part: &LitPart, count: u32) -> Reach {
-        let LitPart { part, light, .. } = part;
-        let sampler = |number| Sampler::new(Pattern::Sobol, 0, part.prim_id, number);
+        let LitPart { cell, light, .. } = part;
+        let sampler = |number| Sampler::new(Pattern::Sobol, 0, cell.prim_id, number);
         let ray = |number: u32| {
             let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
-            let point = part.place(TriangleWarp.map(Vec2::new(x, y)));
+            let point = cell.place(TriangleWarp.map(Vec2::new(x, y)));
             let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
             let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
-            Ray::new(self.surface(part.prim_id, point.x, point.y).origin_towards(direction), direction)
+            Ray::new(self.surface(cell.prim_id, point.x, point.y).origin_towards(direction), direction)
         };
         let rays: Vec<Ray> = (0..count).map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];

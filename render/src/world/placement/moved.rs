@@ -65,7 +65,7 @@ impl World {
 
     /// The corners of a light that is a part of a triangle at a time, and its area. Triangles that move are not divided.
     #[inline(always)]
-    pub(crate) fn emitter_at(&self, light: u32, part: &TrianglePart, time: f32) -> (Triangle, f32) {
+    pub(crate) fn emitter_corners(&self, light: u32, part: &TrianglePart, time: f32) -> (Triangle, f32) {
         if let Some(corners) = self.motion.as_ref().and_then(|motion| motion.corners(part.prim_id, time)) {
             return (corners, area(&corners));
         }
