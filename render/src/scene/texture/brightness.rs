@@ -176,7 +176,9 @@ mod tests {
                         let number = |k: u32| (i.wrapping_mul(2_654_435_769).rotate_left(8 * k) as f32 / 4.3e9).fract();
                         let texel = Vec2::new(width as f32, height as f32).recip();
                         let near = Vec2::new(bright[0][0] as f32, bright[0][1] as f32) * texel;
+                        // Beyond the picture, unless that is its border.
                         let shift = Vec2::new((i % 7) as f32 - 3.0, (i % 5) as f32 - 2.0);
+                        let shift = if wrap == Wrap::Clamp { Vec2::ZERO } else { shift };
                         let corner = near + shift + (Vec2::new(number(0), number(1)) - 0.5) * 9.0 * texel;
                         let edge = Vec2::new(number(2), number(3)) * 3.0 * texel;
                         let mean = table.mean(&map, &[corner, corner + edge, corner]);
