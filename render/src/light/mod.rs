@@ -23,7 +23,8 @@ use std::f64::consts::PI;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::{Aabb, Triangle};
 
-pub(crate) use self::cells::{Division, PartTable, TrianglePart};
+use self::cells::PartTable;
+pub(crate) use self::cells::{Division, TrianglePart};
 pub(crate) use self::choice::{LightChoice, SampledLight};
 use self::distant::Patches;
 pub(crate) use self::emitters::EmissiveParts;
@@ -76,11 +77,6 @@ pub(crate) enum Light {
     Punctual(PunctualLight),
     /// The sky.
     Sky,
-}
-
-/// Linear sRGB to luminance.
-fn luminance(rgb: Vec3) -> f64 {
-    rgb.as_dvec3().dot(LUMINANCE)
 }
 
 impl LightSampler {
@@ -280,20 +276,16 @@ impl LightSampler {
     }
 }
 
-/// The weight of a colour: luminance, but not zero unless it is black.
+/// The weight of a colour in linear sRGB: luminance, but not zero unless it is black, as each light must have a chance.
+#[inline(always)]
 pub(crate) fn luminance_weight(rgb: Vec3) -> f32 {
-    brightness(rgb) as f32
+    rgb.dot(LUMINANCE.as_vec3()).max(0.05 * rgb.max_element())
 }
 
 /// Area of a triangle.
 pub(crate) fn area(triangle: &Triangle) -> f32 {
     let [a, b, c] = triangle.map(|p| p.as_dvec3());
     (0.5 * (b - a).cross(c - a).length()) as f32
-}
-
-/// Luminance, but never zero for what is not black: each light must have a chance.
-fn brightness(rgb: Vec3) -> f64 {
-    luminance(rgb).max(f64::from(rgb.max_element()) * 0.05)
 }
 
 /// A light's colour, and what it is multiplied by to give the power that falls on a scene with these bounds.

@@ -21,7 +21,6 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 pub(crate) use self::openings::Openings;
 use self::peaks::Peaks;
 use self::texels::SkyTexels;
-use super::brightness;
 use super::distant::Patches;
 use super::{Receiver, luminance_weight};
 use crate::scene::{Sky, SkyPicture};
@@ -172,41 +171,39 @@ impl SkyLight {
 
     /// A sampled direction of light from this part; with [`SkyPart::Sun`] only the sun counts.
     pub(crate) fn sample(&self, receiver: &Receiver, part: SkyPart, u: Vec2) -> SkySample {
-        let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
-            let direction = cosine(receiver, u);
-            let density = self.density(receiver, part, direction);
-            return SkySample { direction, radiance: self.radiance(direction), density };
+        let direction = match (self.part(part), &self.picture) {
+            (Some((peaks, _)), Some(picture)) => peaks.sample(picture, u),
+            _ => cosine(receiver, u),
         };
-        let direction = peaks.sample(picture, u);
-        let around = picture.around(direction);
-        let radiance =
-            if part == SkyPart::Sun { around.mean(|texel| peaks.split(texel).1) } else { around.mean(|it| it) };
-        SkySample { direction, radiance, density: peaks.density(&around) }
+        match part {
+            SkyPart::Sun => self.look(receiver, part, direction, |sun, texel| sun.split(texel).1),
+            _ => self.seen(receiver, part, direction),
+        }
     }
 
-    /// What [`sample`](Self::sample) finds of all of the sky if it gives this unit vector.
+    /// What [`sample`](Self::sample) finds if it gives this unit vector; the whole sky counts.
     pub(crate) fn seen(&self, receiver: &Receiver, part: SkyPart, direction: Vec3) -> SkySample {
-        let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) else {
-            let density = self.density(receiver, part, direction);
-            return SkySample { direction, radiance: self.radiance(direction), density };
-        };
-        let around = picture.around(direction);
-        SkySample { direction, radiance: around.mean(|texel| texel), density: peaks.density(&around) }
+        self.look(receiver, part, direction, |_, texel| texel)
     }
 
-    /// The density per solid angle with which [`sample`](Self::sample) gives this unit vector.
-    pub(crate) fn density(&self, receiver: &Receiver, part: SkyPart, direction: Vec3) -> f32 {
-        if !self.has(part) {
-            return 0.0;
+    /// The density of a unit vector, and its radiance, of which so much counts of each texel of a picture.
+    #[inline(always)]
+    fn look(
+        &self,
+        receiver: &Receiver,
+        part: SkyPart,
+        direction: Vec3,
+        counted: impl Fn(&Peaks, Vec3) -> Vec3,
+    ) -> SkySample {
+        if let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) {
+            let around = picture.around(direction);
+            let radiance = around.mean(|texel| counted(peaks, texel));
+            return SkySample { direction, radiance, density: peaks.density(&around) };
         }
-        match (self.part(part), &self.picture) {
-            (Some((peaks, _)), Some(picture)) => peaks.density(&picture.around(direction)),
-            _ => {
-                let cosine = receiver.normal.dot(direction);
-                let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };
-                all * FRAC_1_PI
-            }
-        }
+        let cosine = receiver.normal.dot(direction);
+        let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };
+        let density = if self.has(part) { all * FRAC_1_PI } else { 0.0 };
+        SkySample { direction, radiance: self.radiance(direction), density }
     }
 }
 
@@ -224,7 +221,8 @@ fn cosine(receiver: &Receiver, mut u: Vec2) -> Vec3 {
 fn clipped_mean(picture: &SkyPicture, limit: f64) -> f64 {
     let rows = (0..).zip(picture.texels.chunks_exact(picture.width as usize));
     let row = |(row, texels): (u32, &[Vec3])| -> f64 {
-        texels.iter().map(|texel| brightness(*texel).min(limit)).sum::<f64>() * picture.solid_angle(row)
+        texels.iter().map(|texel| f64::from(luminance_weight(*texel)).min(limit)).sum::<f64>()
+            * picture.solid_angle(row)
     };
     rows.map(row).sum::<f64>() / (4.0 * std::f64::consts::PI)
 }

@@ -223,7 +223,7 @@ fn what_can_send_light_is_never_without_a_chance() {
         let all: f64 = (0..400)
             .map(|prim| {
                 let material = &materials[prim];
-                let brightness = brightness(material.emission);
+                let brightness = f64::from(luminance_weight(material.emission));
                 brightness * irradiance(&receiver, &triangles[prim], material.emits_both_sides)
             })
             .sum();
@@ -233,7 +233,7 @@ fn what_can_send_light_is_never_without_a_chance() {
         for prim in 0..400 {
             let material = &materials[prim];
             let sent = irradiance(&receiver, &triangles[prim], material.emits_both_sides);
-            let share = sent * brightness(material.emission) / all;
+            let share = sent * f64::from(luminance_weight(material.emission)) / all;
             let probability = f64::from(lights.probability(prim as u32, &receiver, SkyPart::Bright));
             if share > 1e-7 {
                 assert!(probability > 0.02 * share, "receiver {i}, triangle {prim}: {probability} for {share}");
@@ -315,7 +315,7 @@ fn few_lights_are_chosen_by_what_they_send() {
         let sent: Vec<f64> = (0..12)
             .map(|prim| {
                 let both = materials[prim].emits_both_sides;
-                brightness(materials[prim].emission) * irradiance(&receiver, &triangles[prim], both)
+                f64::from(luminance_weight(materials[prim].emission)) * irradiance(&receiver, &triangles[prim], both)
             })
             .collect();
         let probabilities = probabilities(&lights, &receiver, SkyPart::All);

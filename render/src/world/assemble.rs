@@ -71,9 +71,9 @@ impl World {
         let moved: Vec<_> =
             spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
         let cells = EmissionCells::new((&meshes, &first_faces), (&materials, &textures), &triangle_records[..still]);
-        let cells = |prim: usize| cells.of(prim);
-        let shining = (shown, SkyLight::new(sky));
-        let mut lights = LightSampler::new(&corners, material, front, cells, shining, bounds);
+        let emissive_parts = |prim: usize| cells.emissive_parts(prim);
+        let others = (shown, SkyLight::new(sky));
+        let mut lights = LightSampler::new(&corners, material, front, emissive_parts, others, bounds);
         moved.into_iter().for_each(|(number, light)| lights.replace_punctual(number, light));
         let material_records = materials.iter().map(MaterialRecord::of).collect();
         let emitter = |light: &Light| match *light {

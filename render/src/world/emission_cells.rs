@@ -69,7 +69,7 @@ impl<'a> EmissionCells<'a> {
     }
 
     /// The parts of a triangle that emit; `None` if it has no emissive texture, or moves.
-    pub(super) fn of(&self, prim: usize) -> Option<EmissiveParts> {
+    pub(super) fn emissive_parts(&self, prim: usize) -> Option<EmissiveParts> {
         let (table, map, [a, b, c]) = self.texture(prim)?;
         let division = Division { side: side(table.extent(map, &[a, b, c]), self.texels) };
         let texcoord = |place: Vec2| a + (b - a) * place.x + (c - a) * place.y;

@@ -107,7 +107,6 @@ impl Task for OpeningSamples<'_> {
         let densities = seen.densities(block, openings, &shadows.towards);
         for i in (0..block.len).filter(|&i| (block.goes_on[i] != 0) & (seen.total[i] > 0.0)) {
             let (surface, direction) = (block.surface(i, matte), shadows.towards.get(i));
-            shadows.per_density[i] = 0.0;
             if !surface.transmits && surface.normal.dot(direction) <= 0.0 {
                 continue;
             }

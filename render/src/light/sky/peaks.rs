@@ -7,8 +7,8 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use super::texels::{Around, SkyTexels};
-use crate::film::LUMINANCE;
 use crate::light::distant::Patches;
+use crate::light::luminance_weight;
 use crate::scene::SkyPicture;
 
 /// The part of a picture above a limit.
@@ -62,7 +62,7 @@ impl Peaks {
 
     #[inline(always)]
     fn excess(&self, radiance: Vec3) -> f32 {
-        (brightness(radiance) - self.limit).max(0.0)
+        (luminance_weight(radiance) - self.limit).max(0.0)
     }
 
     /// The excess of all directions, times solid angle.
@@ -93,7 +93,7 @@ impl Peaks {
 
     /// The parts below and above the limit.
     pub(super) fn split(&self, radiance: Vec3) -> (Vec3, Vec3) {
-        let brightness = brightness(radiance);
+        let brightness = luminance_weight(radiance);
         if brightness <= self.limit {
             return (radiance, Vec3::ZERO);
         }
@@ -148,10 +148,4 @@ impl Peaks {
         }
         patches
     }
-}
-
-/// Luminance, but not zero for what is not black, in single precision, as directions are looked up often.
-#[inline(always)]
-fn brightness(rgb: Vec3) -> f32 {
-    rgb.dot(LUMINANCE.as_vec3()).max(0.05 * rgb.max_element())
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 use halfdome_kernel::sampling::Stream;
 
 use super::*;
-use crate::light::luminance;
+use crate::light::luminance_weight;
 
 /// A sky of 12 x 6 texels with a sun, a black row and much that is dim.
 fn picture() -> SkyPicture {
@@ -114,7 +114,7 @@ fn the_mean_of_samples_is_the_pictures_integral() {
     let (found, expected) = (sum / f64::from(count), picture().mean().as_dvec3() * 4.0 * PI64);
     assert!(((found - expected) / expected).abs().max_element() < 0.01, "{found}, not {expected}");
     // Directions follow luminance, whose estimate is the same for all of them.
-    let luminance = luminance(found.as_vec3()) / luminance(expected.as_vec3());
+    let luminance = luminance_weight(found.as_vec3()) / luminance_weight(expected.as_vec3());
     assert!((luminance - 1.0).abs() < 1e-4, "{luminance}");
 }
 
@@ -137,7 +137,7 @@ fn directions_are_as_dense_as_the_density_says() {
         for (number, found) in counts.into_iter().enumerate() {
             let (column, row) = (number % 12, number / 12);
             assert_eq!(texel(&picture, middle(&picture, column, row)), (column, row));
-            let density = |direction| f64::from(sky.density(&receiver(Vec3::Y), part, direction));
+            let density = |direction| f64::from(sky.seen(&receiver(Vec3::Y), part, direction).density);
             let share: f64 = within(&picture, column, row).map(|(direction, angle)| density(direction) * angle).sum();
             total += share;
             dark += usize::from(share == 0.0);
@@ -168,7 +168,7 @@ fn weights_are_irradiances_and_vanish_only_below_the_horizon() {
                 let (column, row) = (number % 24, number / 24);
                 // Texels are large: their means, by many places in each.
                 for (direction, angle) in within(&picture, column, row) {
-                    let flux = angle * f64::from(sky.density(&receiver, part, direction));
+                    let flux = angle * f64::from(sky.seen(&receiver, part, direction).density);
                     expected += flux * f64::from(receiver.normal.dot(direction).max(0.0));
                     power += flux;
                 }
