@@ -17,13 +17,14 @@ use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
 use super::light_warp::light_warp;
-use super::punctual::{PunctualSample, sample_punctual};
+use super::punctual::sample_punctual;
 use super::reflected::{ReflectedLight, sample_reflected};
+use super::refracted::{FINER, LightWay, choose_way};
 use crate::bsdf::Scattering;
 use crate::light::{Light, Receiver, SampledLight, SkyPart, SkySample, TrianglePart};
 use crate::material::Bsdf;
 use crate::settings::LightSampling;
-use crate::world::{Hit, Surface, World};
+use crate::world::{Between, Hit, LightEnd, SpecularConnection, Surface, World};
 
 /// Light that a surface reflects if `ray` is not occluded.
 pub(crate) struct ShadowRay {
@@ -57,6 +58,8 @@ pub(crate) struct LightSample {
     /// Whether it comes from a light without a surface, which bounces meet where they look for it (see
     /// [`seen_lights`](super::seen_lights)).
     pub is_punctual: bool,
+    /// Whether `shadow` is the part of the way behind all glass.
+    pub is_glass_known: bool,
 }
 
 /// Samples direct light at a point of a surface whose normals face the viewer: a light, and light that mirrors reflect; none
@@ -109,8 +112,7 @@ fn sample_one_light(
         return None;
     }
     let shadow_ray = ShadowRay { ray: light.shadow, direction: light.direction, radiance };
-    // Glass between a point and its light is known already.
-    if light.is_punctual { Some(shadow_ray) } else { shadow_ray.through_panes(world, surface.time) }
+    if light.is_glass_known { Some(shadow_ray) } else { shadow_ray.through_panes(world, surface.time) }
 }
 
 /// Samples the light that mirrors and glass reflect.
@@ -201,17 +203,17 @@ pub(crate) fn sample_light(
         Light::Punctual(light) => {
             let moved = world.motion().and_then(|_| world.moved_light(choice.index, light, surface.time));
             let light = moved.as_ref().unwrap_or(light);
-            let PunctualSample { direction, shadow, received, solid_angle } =
-                sample_punctual(world, surface, (light, choice.index), u)?;
+            let (way, solid_angle) = sample_punctual(world, surface, (light, choice.index), u)?;
             let per_probability = choice.probability.recip();
-            let (radiance, inv_density) = (received / choice.probability, solid_angle * per_probability);
-            LightSample { shadow, direction, radiance, inv_density, is_punctual: true }
+            let (radiance, inv_density) = (way.received / choice.probability, solid_angle * per_probability);
+            let LightWay { direction, shadow, .. } = way;
+            LightSample { shadow, direction, radiance, inv_density, is_punctual: true, is_glass_known: true }
         }
-        Light::Sky => sample_sky(world, surface, part, choice.probability, u)?,
+        Light::Sky => sample_sky(world, surface, part, choice, u)?,
     };
     // Taken apart and put together, or the samples of triangles would be kept in memory as well.
-    let LightSample { shadow, direction, radiance, inv_density, is_punctual } = rarer;
-    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual })
+    let LightSample { shadow, direction, radiance, inv_density, is_punctual, is_glass_known } = rarer;
+    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual, is_glass_known })
 }
 
 #[inline(always)]
@@ -262,24 +264,47 @@ pub(crate) fn area_light_sample(
     let origin = surface.origin_towards(direction);
     let shadow = Ray::between(origin, light.end_from(origin));
     let radiance = light.emission * inv_density;
-    let sample = LightSample { shadow, direction, radiance, inv_density, is_punctual: false };
+    let sample = LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: false };
     (sample, ((cosine > 0.0) | from_behind) & (cosine_at_light > 0.0))
 }
 
 #[inline(never)]
-fn sample_sky(world: &World, surface: &Surface, part: SkyPart, probability: f32, u: Vec2) -> Option<LightSample> {
+fn sample_sky(world: &World, surface: &Surface, part: SkyPart, choice: &SampledLight, u: Vec2) -> Option<LightSample> {
     let (sky, receiver) = (&world.lights.sky, surface.receiver());
-    let sample = sky.sample(&receiver, part, u);
-    if !surface.transmits && surface.normal.dot(sample.direction) <= 0.0 {
+    let SkySample { direction, radiance, density, of_sun } = sky.sample(&receiver, part, u);
+    let is_below = !surface.transmits && surface.normal.dot(direction) <= 0.0;
+    let may_bend = of_sun != Vec3::ZERO && world.has_clear_glass();
+    if density <= 0.0 || (is_below && !may_bend) {
         return None;
     }
-    let shadow = Ray::new(surface.origin_towards(sample.direction), sample.direction);
+    let shadow = Ray::new(surface.origin_towards(direction), direction);
     let openings = sky.openings().filter(|_| part == SkyPart::Bright);
-    let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, sample.direction));
-    let inv_density = (probability * sample.density + through_openings).recip();
-    let radiance = sample.radiance * inv_density;
+    let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, direction));
+    let density = choice.probability * density;
+    let inv_density = (density + through_openings).recip();
+    let radiance = if is_below { Vec3::ZERO } else { radiance * inv_density };
     // No bounce sees the sun where that is what is asked for.
     let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
-    let direction = sample.direction;
-    (sample.density > 0.0).then_some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false })
+    let straight = LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: false };
+    if !may_bend {
+        return Some(straight);
+    }
+    // What glass bends, or samples through openings and bounces do not find straight behind it.
+    let bent = of_sun / density;
+    let way = |received, is_bent| LightWay { direction, shadow, received, is_bent };
+    let known = world.panes().and_then(|_| world.through_panes(&shadow, surface.time));
+    let straight = match known {
+        Some((shadow, transmittance)) => Some(LightWay { shadow, ..way(transmittance * radiance, false) }),
+        None => match world.glass_between(&shadow, surface.time) {
+            Between::NoGlass => Some(way(radiance, false)),
+            Between::Panes(shadow, transmittance) => Some(LightWay { shadow, ..way(transmittance * bent, true) }),
+            Between::Bends => None,
+        },
+    };
+    let end = (LightEnd::Direction(direction), choice.index);
+    let received = |connection: &SpecularConnection| connection.transmittance * connection.spread * bent;
+    let LightWay { direction, shadow, received: radiance, is_bent } =
+        choose_way(world, surface, end, straight, received, (u.x * FINER).fract())?;
+    let inv_density = if is_bent { 0.0 } else { inv_density };
+    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: true })
 }

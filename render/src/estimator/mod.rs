@@ -11,6 +11,7 @@ mod light_warp;
 mod occluders;
 mod punctual;
 mod reflected;
+mod refracted;
 mod rounds;
 pub(crate) mod salts;
 mod secondary_lights;

@@ -16,21 +16,10 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
+use super::refracted::{FINER, LightWay, choose_way};
 use crate::light::SpotCone;
 use crate::scene::PunctualLight;
-use crate::world::{Between, LightEnd, SpecularConnection, Surface, World};
-
-/// A direction in which light arrives from such a light.
-pub(super) struct PunctualSample {
-    /// Unit vector.
-    pub direction: Vec3,
-    /// The shadow ray from the surface to the light, or its part behind panes.
-    pub shadow: Ray,
-    /// Radiance over density; of a delta light, irradiance on what faces it.
-    pub received: Vec3,
-    /// The reciprocal of the density per solid angle; 0 of what no bounce will find.
-    pub solid_angle: f32,
-}
+use crate::world::{LightEnd, SpecularConnection, Surface, World};
 
 /// Such a light on the way of a ray.
 pub(super) struct Seen {
@@ -41,15 +30,15 @@ pub(super) struct Seen {
     pub solid_angle: f32,
 }
 
-/// The sample of `light`, which has this number, for a point of a surface that the two numbers in [0, 1) mean; `None` if glass keeps
-/// it off. Of several ways of the light one is chosen by what it brings.
+/// The sample of `light`, which has this number, for a point of a surface that the two numbers in [0, 1) mean, and the
+/// reciprocal of its density per solid angle, which is 0 of what no bounce will find; `None` if glass keeps it off.
 #[inline(never)]
 pub(super) fn sample_punctual(
     world: &World,
     surface: &Surface,
     (light, number): (&PunctualLight, u32),
     u: Vec2,
-) -> Option<PunctualSample> {
+) -> Option<(LightWay, f32)> {
     let (end, per_intensity) = match *light {
         PunctualLight::Directional { direction, half_angle, .. } => direction_of_sun(direction, half_angle, u),
         PunctualLight::Point { position, radius, .. }
@@ -63,51 +52,26 @@ pub(super) fn sample_punctual(
         LightEnd::Direction(direction) => (direction, Ray::new(surface.origin_towards(direction), direction)),
         LightEnd::Point(end) => towards(surface, end),
     };
+    let received = intensity(light, -direction) * per_intensity;
+    let straight = LightWay { direction, shadow, received, is_bent: false };
     let solid_angle = solid_angle(surface.position, light);
-    let straight = |shadow, transmittance: Vec3| PunctualSample {
-        direction,
-        shadow,
-        received: transmittance * intensity(light, -direction) * per_intensity,
-        solid_angle,
-    };
     if !world.has_clear_glass() {
-        return Some(straight(shadow, Vec3::ONE));
+        return Some((straight, solid_angle));
     }
-    let straight = match world.glass_between(&shadow, surface.time) {
-        Between::NoGlass => Some(straight(shadow, Vec3::ONE)),
-        Between::Panes(rest, transmittance) => Some(straight(rest, transmittance)),
-        Between::Bends => None,
+    let received = |connection: &SpecularConnection| {
+        let spread = match end {
+            LightEnd::Direction(_) => connection.spread,
+            // Per area of the light in place of solid angle.
+            LightEnd::Point(end) => connection.spread * end.distance_squared(surface.position),
+        };
+        connection.transmittance * intensity(light, connection.leaving) * (per_intensity * spread)
     };
-    let refracted = world.refracted_connections(surface, (end, number), straight.as_ref().map(|_| direction));
-    if refracted.is_empty() {
-        return straight;
-    }
-    let straight = straight.filter(|sample| !world.occluded_at(&sample.shadow, surface.time));
-    let refracted =
-        refracted.iter().map(|&SpecularConnection { direction, rest, leaving, transmittance, spread, .. }| {
-            let spread = match end {
-                LightEnd::Direction(_) => spread,
-                // Per area of the light in place of solid angle.
-                LightEnd::Point(end) => spread * end.distance_squared(surface.position),
-            };
-            let received = transmittance * intensity(light, leaving) * (per_intensity * spread);
-            PunctualSample { direction, shadow: rest, received, solid_angle: 0.0 }
-        });
-    let brought =
-        |sample: &PunctualSample| sample.received.element_sum() * surface.shading_normal.dot(sample.direction).abs();
-    let total: f32 =
-        straight.iter().map(brought).sum::<f32>() + refracted.clone().map(|sample| brought(&sample)).sum::<f32>();
     // The low digits: place and choice depend on one number, but hardly on each other. Parts of 1/4096 and less may never be chosen.
-    let mut rest = (u.x * 4096.0).fract() * total;
-    for sample in straight.into_iter().chain(refracted) {
-        let share = brought(&sample);
-        rest -= share;
-        if rest < 0.0 {
-            // The density of the place on the light stays what bounces take it for.
-            return Some(PunctualSample { received: sample.received * (total / share), ..sample });
-        }
-    }
-    None
+    let straight = straight.straight(world, surface.time);
+    let way = choose_way(world, surface, (end, number), straight, received, (u.x * FINER).fract())?;
+    // The density of the place on the light stays what bounces take it for.
+    let inv_density = if way.is_bent { 0.0 } else { solid_angle };
+    Some((way, inv_density))
 }
 
 /// The intensity in a unit vector that leaves a light; of a sun, its irradiance.

@@ -11,7 +11,8 @@
 //! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
 //! chosen by what it brings. Of many lights, four are looked for.
 //!
-//! A light with a size is a disc that faces the photon's direction, of which one point is sampled.
+//! A light with a size is a disc that faces the photon's direction, of which one point is sampled; so is of the sun of a sky
+//! picture.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -20,6 +21,7 @@ use halfdome_kernel::sampling::warp::{PolarDisc, Warp};
 use smallvec::SmallVec;
 
 use super::punctual::{direction_of_sun, intensity};
+use super::refracted::FINER;
 use crate::scene::PunctualLight;
 use crate::world::{LightEnd, LightInMirrors, SpecularConnection, Start, Starts, Surface, World};
 
@@ -27,10 +29,6 @@ use crate::world::{LightEnd, LightInMirrors, SpecularConnection, Start, Starts, 
 const ALWAYS: f32 = 0.5;
 /// The most connections to a point.
 const MAX_CONNECTIONS: usize = 16;
-/// How much finer the digits are that decide about searches and choose among connections than those that place a point on
-/// a light.
-const FINER: f32 = 4096.0;
-
 /// Reflected light that arrives if nothing is in between.
 pub(crate) struct ReflectedLight {
     /// The index of the light.
@@ -56,9 +54,19 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
     let (mut total, mut chosen) = (0.0, None);
     for reflected in world.lights_in_mirrors(surface.position, roulette) {
         reflected.find_starts(surface.position, always, &mut starts);
+        if starts.is_empty() {
+            continue;
+        }
         let LightInMirrors { index, light, inv_probability, .. } = reflected;
-        let moved = world.motion().and_then(|_| world.moved_light(index, light, surface.time));
-        let light = moved.as_ref().unwrap_or(light);
+        let is_sky = index == world.lights.sky_number();
+        let one = if is_sky {
+            let Some(point) = world.lights.sky.point_of_sun(u) else { continue };
+            Some(point)
+        } else {
+            world.motion().and_then(|_| world.moved_light(index, light, surface.time))
+        };
+        let has_size = is_sky || light.has_size();
+        let light = one.as_ref().unwrap_or(light);
         for start in starts.iter() {
             let probability = (start.strength / always).min(1.0);
             if found.len() == MAX_CONNECTIONS {
@@ -86,7 +94,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
                 total += brought;
                 let share = brought / total;
                 if choice < share {
-                    let is_seen = start.reflection == Some(0) && light.has_size();
+                    let is_seen = start.reflection == Some(0) && has_size;
                     chosen =
                         Some((ReflectedLight { light: index, direction, shadow: rest, received, is_seen }, brought));
                     choice /= share;

@@ -17,10 +17,18 @@ pub(super) fn sky(world: &World, (lights, part): (LightSampling, SkyPart), path:
         return sky.ambient(direction);
     }
     if path.density == f32::INFINITY {
-        return sky.radiance(direction);
+        return sky_after_delta(world, path, direction);
     }
     let (radiance, density) = seen_sky(world, &path.receiver(ray.origin), (path.sky_probability, part), direction);
     radiance * lights.bounce_weight(path.density, density)
+}
+
+/// What a path whose last bounce had no density sees of the sky in a direction: without its sun if light samples of the surface
+/// before know of mirrors and glass between.
+#[inline(always)]
+pub(super) fn sky_after_delta(world: &World, path: &Path, direction: Vec3) -> Vec3 {
+    let sky = &world.lights.sky;
+    if path.is_first() || path.sees_lights() { sky.radiance(direction) } else { sky.beside_sun(direction) }
 }
 
 /// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the

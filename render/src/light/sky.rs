@@ -10,6 +10,7 @@
 
 mod openings;
 mod peaks;
+mod sun;
 mod texels;
 
 use std::f32::consts::{FRAC_1_PI, PI};
@@ -20,10 +21,11 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
 pub(crate) use self::openings::Openings;
 use self::peaks::Peaks;
+use self::sun::PictureSun;
 use self::texels::SkyTexels;
 use super::distant::Patches;
 use super::{Receiver, luminance_weight};
-use crate::scene::{Sky, SkyPicture};
+use crate::scene::{PunctualLight, Sky, SkyPicture};
 
 /// The part of the sky for light samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,6 +56,8 @@ pub(crate) struct SkyLight {
     parts: Box<[Option<(Peaks, Patches)>; 3]>,
     /// Where it is seen from within rooms.
     openings: Option<Openings>,
+    /// The sun of a picture that has one.
+    sun: Option<PictureSun>,
 }
 
 /// Where to look for the sky.
@@ -63,6 +67,8 @@ pub(crate) struct SkySample {
     pub radiance: Vec3,
     /// Per solid angle.
     pub density: f32,
+    /// The radiance of the [sun](SkyLight::sun) in it.
+    pub of_sun: Vec3,
 }
 
 impl SkyLight {
@@ -73,7 +79,8 @@ impl SkyLight {
             picture.texels.iter_mut().for_each(|texel| *texel += constant);
             SkyTexels::new(picture)
         });
-        let mut light = Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default(), openings: None };
+        let mut light =
+            Self { constant, mean, picture, visibility: [1.0; 3], parts: Box::default(), openings: None, sun: None };
         light.forget_visibility();
         if let Some(picture) = light.picture.take_if(|_| mean != Vec3::ZERO) {
             // A sun may be most of the mean, so that the second time counts.
@@ -84,6 +91,7 @@ impl SkyLight {
                 let patches = peaks.patches(&picture);
                 Some((peaks, patches))
             }));
+            light.sun = light.part(SkyPart::Sun).and_then(|(peaks, _)| PictureSun::of(&picture, peaks));
             light.picture = Some(picture);
         }
         light
@@ -143,6 +151,35 @@ impl SkyLight {
         }
     }
 
+    /// The sun of a picture, as a light that glass refracts and mirrors show to surfaces.
+    pub(crate) fn sun(&self) -> Option<&PunctualLight> {
+        self.sun.as_ref().map(|sun| &sun.light)
+    }
+
+    /// Lets paths alone find the sun there: nothing refracts or mirrors it.
+    pub(crate) fn forget_sun(&mut self) {
+        self.sun = None;
+    }
+
+    /// Radiance from this unit vector without the sun that [`sun`](Self::sun) stands for.
+    pub(crate) fn beside_sun(&self, direction: Vec3) -> Vec3 {
+        match &self.sun {
+            Some(sun) if sun.contains(direction) => self.ambient(direction),
+            _ => self.radiance(direction),
+        }
+    }
+
+    /// A point of that sun as a directional light without a size, whose mean is the sun; `None` where the numbers in [0, 1)
+    /// mean another bright part of the sky.
+    pub(crate) fn point_of_sun(&self, u: Vec2) -> Option<PunctualLight> {
+        let (sun, (peaks, _), picture) = (self.sun.as_ref()?, self.part(SkyPart::Sun)?, self.picture.as_ref()?);
+        let direction = peaks.sample(picture, u);
+        let around = picture.around(direction);
+        let irradiance = around.mean(|texel| peaks.split(texel).1) / peaks.density(&around);
+        let light = PunctualLight::Directional { direction: -direction, irradiance, half_angle: 0.0 };
+        (sun.contains(direction) && irradiance.is_finite()).then_some(light)
+    }
+
     /// Mean radiance of all directions.
     pub(crate) fn mean(&self) -> Vec3 {
         self.mean
@@ -198,12 +235,16 @@ impl SkyLight {
         if let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) {
             let around = picture.around(direction);
             let radiance = around.mean(|texel| counted(peaks, texel));
-            return SkySample { direction, radiance, density: peaks.density(&around) };
+            let of_sun = match (&self.sun, self.part(SkyPart::Sun)) {
+                (Some(sun), Some((peaks, _))) if sun.contains(direction) => around.mean(|texel| peaks.split(texel).1),
+                _ => Vec3::ZERO,
+            };
+            return SkySample { direction, radiance, density: peaks.density(&around), of_sun };
         }
         let cosine = receiver.normal.dot(direction);
         let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };
         let density = if self.has(part) { all * FRAC_1_PI } else { 0.0 };
-        SkySample { direction, radiance: self.radiance(direction), density }
+        SkySample { direction, radiance: self.radiance(direction), density, of_sun: Vec3::ZERO }
     }
 }
 

@@ -91,8 +91,9 @@ impl World {
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
-        let has_punctual = lights.lights().iter().any(|light| matches!(light, Light::Punctual(_)));
-        let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_punctual);
+        let is_narrow = |light: &Light| matches!(light, Light::Punctual(_));
+        let has_narrow = lights.sky.sun().is_some() || lights.lights().iter().any(is_narrow);
+        let mut specular = Specular::new(&materials, &triangle_records, &corners[..still], has_narrow);
         let placed = (&triangle_records[..still], &corners[..still]);
         let glass = GlassTree::new((&meshes, &first_faces), &materials, placed, (executor, options))?;
         specular.set_glass(glass, &triangle_records);

@@ -1,8 +1,8 @@
 //! Specular connections: smooth faces between a surface and a light that no bounce can be relied on to hit.
 //!
-//! Light of points, spots and suns that reaches a scattering surface through smooth glass, or from a mirror, is found by
-//! light samples alone: rays cannot hit delta lights, and for lights with a size bounces are used only for gloss that sees
-//! them in mirrors or behind [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in
+//! Light of points, spots and suns, those of sky pictures too, that reaches a scattering surface through smooth glass, or from
+//! a mirror, is found by light samples alone: rays cannot hit delta lights, and for lights with a size bounces are used only
+//! for gloss that sees them in mirrors or behind [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in
 //! its old direction, and a straight shadow ray finds it. Light that is refracted by balls, bottles and water, or
 //! reflected, arrives from another direction, which [manifold exploration](manifold) finds.
 //!
@@ -55,12 +55,12 @@ pub(super) struct Specular {
 
 impl Specular {
     /// The smooth faces among the triangles of `records`. The first ones have these `corners`; the positions of the others are
-    /// unknown.
+    /// unknown. `has_narrow` says whether there are points, spots or suns.
     pub(super) fn new(
         materials: &[Material],
         records: &[TriangleRecord],
         corners: &[Triangle],
-        has_punctual: bool,
+        has_narrow: bool,
     ) -> Self {
         let mut specular = Self {
             transmits: materials.iter().map(Material::is_glass).collect(),
@@ -72,7 +72,7 @@ impl Specular {
             reflected: Photons::default(),
         };
         let among = |kind: &[bool]| records.iter().any(|record| kind[record.material as usize]);
-        if !has_punctual || !among(&specular.mirrors) {
+        if !has_narrow || !among(&specular.mirrors) {
             specular.mirrors.clear();
         }
         if !among(&specular.transmits) {

@@ -5,6 +5,7 @@ mod lit_parts;
 mod openings;
 mod panes;
 mod panes_everywhere;
+mod picture_sun;
 mod profiles;
 mod secondary;
 mod sizes;

@@ -3,7 +3,7 @@
 use glam::{Affine2, DVec3, Vec2, Vec3};
 use halfdome::scene::{Material, Mesh, Scene, Texture, TextureFilter, TextureMap, Wrap};
 use halfdome::settings::{Integrator, Settings};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, render};
+use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
 
 use crate::panes_everywhere::integrators;
 use crate::{plane, settings};
@@ -102,4 +102,31 @@ fn light_samples_go_to_the_lit_parts() {
     let pixels = seeds[0].len();
     let variance = (0..pixels).map(variance).sum::<f64>() / pixels as f64;
     assert!(variance < 2.0, "{variance}");
+}
+
+/// Parts that are large and near are sampled by solid angle: a wall of which the left half glows.
+#[test]
+fn large_parts_light_what_is_near_as_a_square_does() {
+    let wall = |right: f32| {
+        let [left, right] = [-1.0, right];
+        let corners = [[left, 0.0], [right, 0.0], [right, 0.6], [left, 0.6]].map(|[x, y]| Vec3::new(x, y, 0.7));
+        mesh(&quad(corners), 1)
+    };
+    let mut textured = plane();
+    let texel = |i: usize| if i % 4 < 2 { [255; 4] } else { [0, 0, 0, 255] };
+    textured.textures = vec![Texture::new(4, 4, (0..16).map(texel).collect())];
+    let map = TextureMap { filter: TextureFilter::Nearest, ..TextureMap::default() };
+    let mut square = plane();
+    square.materials.push(material(Vec3::ZERO, EMISSION));
+    textured.materials.push(Material { emission_map: Some(map), ..material(Vec3::ZERO, EMISSION) });
+    square.meshes.push(wall(0.0));
+    let whole = wall(1.0);
+    let texcoords = whole.positions.iter().map(|at| Vec2::new(0.5 * (at.x + 1.0), at.y)).collect();
+    textured.meshes.push(Mesh { texcoords, ..whole });
+    for (name, integrator) in integrators() {
+        let [found, expected] = [&textured, &square].map(|scene| Estimate::of(&means(scene, &integrator, 32)));
+        let z = found.z(&expected, 1e-3).max_element();
+        let off = ((found.mean - expected.mean) / expected.mean).abs().max_element();
+        assert!(z < 4.5 && off < 0.01, "{name}: {found:?}, not {expected:?}; z {z}, off {off}");
+    }
 }

@@ -15,7 +15,7 @@ use glam::Vec3;
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Sampler;
 
-use super::super::emission::{emission, lights_on_the_way};
+use super::super::emission::{emission, lights_on_the_way, sky_after_delta};
 use super::super::shadow_queue::ShadowQueue;
 use super::super::state::Path;
 use super::super::wavefront::{PathVertex, SETS_PER_SURFACE, ScalarSteps, VertexStep};
@@ -100,7 +100,7 @@ impl VertexStep for Lookup<'_> {
             } else if path.density == 0.0 {
                 *radiance += path.throughput * world.lights.sky.ambient(ray.direction);
             } else {
-                *radiance += path.throughput * world.lights.sky.radiance(ray.direction);
+                *radiance += path.throughput * sky_after_delta(world, &path, ray.direction);
             }
             return None;
         }

@@ -254,8 +254,7 @@ impl Advance<'_, '_> {
         let inv_density = if is_shared { sample.inv_density } else { 0.0 };
         let radiance = scattered * sample.radiance * self.options.lights.light_weight(inv_density, density);
         let shadow_ray = ShadowRay { ray: sample.shadow, direction: sample.direction, radiance };
-        // Glass between a point and its light is known already.
-        let left = match sample.is_punctual {
+        let left = match sample.is_glass_known {
             true => Some(shadow_ray),
             false => shadow_ray.through_panes(self.world, surface.time),
         };

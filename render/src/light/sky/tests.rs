@@ -264,3 +264,71 @@ fn light_samples_of_a_constant_sky_follow_the_cosine_on_one_side_or_both() {
         }
     }
 }
+
+/// A grey sky of 512 x 256 texels with discs of this radiance and radius in radians about directions.
+fn discs(discs: &[(Vec3, Vec3, f32)]) -> SkyPicture {
+    let picture = SkyPicture { rotation: 2.0, ..SkyPicture::new(512, 256, vec![Vec3::ONE; 512 * 256]) };
+    let texels = SkyTexels::new(picture.clone());
+    let texel = |i: u32| {
+        let direction = texels.middle(i % 512, i / 512);
+        let disc = discs.iter().find(|(_, to_middle, radius)| direction.angle_between(*to_middle) < *radius);
+        disc.map_or(Vec3::ONE, |(radiance, ..)| *radiance)
+    };
+    SkyPicture { texels: (0..512 * 256).map(texel).collect(), ..picture }
+}
+
+const SUNLIGHT: Vec3 = Vec3::new(9000.0, 8000.0, 5000.0);
+
+#[test]
+fn a_narrow_sun_is_a_light_of_its_own() {
+    let to_sun = Vec3::new(0.3, 0.8, -0.4).normalize();
+    // The glare around is no part of it.
+    let sky = sky(discs(&[(SUNLIGHT, to_sun, 0.02), (Vec3::splat(12.0), to_sun, 0.2)]));
+    let Some(&PunctualLight::Directional { direction, irradiance, half_angle }) = sky.sun() else { panic!("no sun") };
+    assert!(direction.angle_between(-to_sun) < 1e-3 && (0.02..0.05).contains(&half_angle), "{direction}, {half_angle}");
+    let expected = SUNLIGHT * PI * 0.02 * 0.02;
+    assert!((irradiance / expected - 1.0).abs().max_element() < 0.05, "{irradiance}, not {expected}");
+    let (mut sum, count) = (DVec3::ZERO, 20_000);
+    for i in 0..count {
+        let Some(point) = sky.point_of_sun(Stream::new(7, 0, i).uniform2(0)) else { continue };
+        let PunctualLight::Directional { direction, irradiance, half_angle } = point else { panic!("{point:?}") };
+        assert!(half_angle == 0.0 && direction.angle_between(-to_sun) < 0.05, "{direction}");
+        sum += irradiance.as_dvec3();
+    }
+    // All of it, with the faintest borders of the tents.
+    let found = (sum / f64::from(count)).as_vec3();
+    assert!((found / irradiance - 1.0).abs().max_element() < 0.05, "{found}, not {irradiance}");
+}
+
+#[test]
+fn the_sun_and_what_is_beside_it_are_the_sky() {
+    let to_sun = Vec3::new(0.3, 0.8, -0.4).normalize();
+    let sky = sky(discs(&[(SUNLIGHT, to_sun, 0.02), (Vec3::splat(500.0), -to_sun, 0.02)]));
+    let (axis, across) = (to_sun.any_orthonormal_vector(), 0.001);
+    for i in 0..100 {
+        let direction = (to_sun + axis * (across * i as f32)).normalize();
+        let seen = sky.seen(&receiver(Vec3::Y), SkyPart::Bright, direction);
+        assert_eq!(seen.radiance, sky.radiance(direction));
+        let (sum, whole) = (sky.beside_sun(direction) + seen.of_sun, seen.radiance);
+        assert!((sum / whole - 1.0).abs().max_element() < 1e-5, "{i}: {sum}, not {whole}");
+        assert!(i > 10 || seen.of_sun.x > 8000.0, "{i}: {}", seen.of_sun);
+        assert!(i < 60 || seen.of_sun == Vec3::ZERO, "{i}: {}", seen.of_sun);
+    }
+    // As bright as a sun, but not in the same place.
+    assert_eq!(sky.beside_sun(-to_sun), sky.radiance(-to_sun));
+}
+
+#[test]
+fn what_is_wide_or_in_several_places_is_no_sun() {
+    let [a, b, c] = [Vec3::Y, Vec3::new(0.6, 0.2, 0.1).normalize(), Vec3::Z];
+    for picture in [
+        discs(&[a, b, c].map(|to_middle| (SUNLIGHT, to_middle, 0.02))),
+        discs(&[(SUNLIGHT, b, 0.3)]),
+        discs(&[(Vec3::splat(7.0), b, 0.02)]),
+        suns([SUNLIGHT, Vec3::ONE]),
+    ] {
+        let sky = sky(picture);
+        assert!(sky.sun().is_none() && sky.point_of_sun(Vec2::splat(0.5)).is_none());
+        assert_eq!(sky.beside_sun(b), sky.radiance(b));
+    }
+}

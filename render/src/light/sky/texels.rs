@@ -100,6 +100,16 @@ impl SkyTexels {
         Vec3::new(sine * phi.sin(), half.y - half.x, -sine * phi.cos())
     }
 
+    /// The direction to the middle of a texel.
+    pub(super) fn middle(&self, column: u32, row: u32) -> Vec3 {
+        self.direction_to(Vec2::new(column as f32 + 0.5, row as f32 + 0.5))
+    }
+
+    /// The diagonal of a texel at the horizon, in radians: nothing in a texel's tent is farther from its middle.
+    pub(super) fn texel_angle(&self) -> f32 {
+        Vec2::new(TAU / self.picture.width as f32, PI / self.picture.height as f32).length()
+    }
+
     /// A place by the tent of a texel, in proportion to solid angle, for numbers in [0, 1).
     pub(super) fn place_in_tent(&self, (column, row): (u32, u32), u: Vec2) -> Vec2 {
         let across = match u.x < 0.5 {

@@ -89,7 +89,7 @@ pub(crate) struct Start {
 #[derive(Default)]
 pub(crate) struct Starts(SmallVec<[Start; MAX_STARTS]>);
 
-/// A light that may be reflected to a point.
+/// A light that may be reflected to a point; of the sky, its sun.
 pub(crate) struct LightInMirrors<'w> {
     /// Its index.
     pub index: u32,
@@ -178,13 +178,18 @@ impl World {
                 ((place as usize).min(lights.len() - 1), place.fract())
             };
             let (index, photons) = &lights[place];
-            match &self.lights.lights()[*index as usize] {
-                Light::Punctual(light) if photons.may_reach(point) => {
-                    Some(LightInMirrors { index: *index, light, inv_probability: stride, photons, roulette })
-                }
-                _ => None,
-            }
+            let light = self.narrow_light(*index).filter(|_| photons.may_reach(point))?;
+            Some(LightInMirrors { index: *index, light, inv_probability: stride, photons, roulette })
         })
+    }
+
+    /// The light of this index if it is a point, a spot or a sun; of the sky, its sun.
+    fn narrow_light(&self, index: u32) -> Option<&PunctualLight> {
+        match &self.lights.lights()[index as usize] {
+            Light::Punctual(light) => Some(light),
+            Light::Sky => self.lights.sky.sun(),
+            Light::Triangle(_) => None,
+        }
     }
 }
 
@@ -202,6 +207,11 @@ impl LightInMirrors<'_> {
 }
 
 impl Starts {
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
     /// Each of them.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &Start> {
         self.0.iter()

@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::cells::CellsBuilder;
 use super::{Arrival, FOLD, Photon, Sent};
-use crate::light::Light;
 use crate::scene::{Mesh, PunctualLight};
 use crate::world::specular::MAX_FACES;
 use crate::world::specular::chain::{DifferentialRay, Reflection};
@@ -51,11 +50,10 @@ impl World {
     pub(in crate::world) fn send_photons(&mut self) {
         let bodies = self.smooth_bodies();
         if bodies.is_empty() {
-            return;
+            return self.lights.sky.forget_sun();
         }
-        let lights = self.lights.lights().iter().zip(0u32..);
-        let lights: Vec<(&PunctualLight, u32)> = lights
-            .filter_map(|(light, index)| if let Light::Punctual(light) = light { Some((light, index)) } else { None })
+        let lights: Vec<(&PunctualLight, u32)> = (0..self.lights.lights().len() as u32)
+            .filter_map(|index| Some((self.narrow_light(index)?, index)))
             .collect();
         let of_light = PHOTONS / lights.len().max(1);
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
