@@ -6,7 +6,7 @@
 //! is `P p |y - x|² / cos θ_y`. A triangle is sampled where it is bright from the surface (see [`light_warp`]). A
 //! constant sky is sampled by the cosine, with the density `P cos θ / π`, any other sky by its brightness.
 //!
-//! [`sample_light`] and the densities, [`emitted_density`], [`seen_sky`] and that of
+//! [`sample_light`] and the densities, [`emitted_density`], [`seen_sky`](super::seen_sky) and that of
 //! [`seen_lights`](super::seen_lights), are the interface for integrators, sensors, bakes and probes. The caller
 //! chooses the part of the sky that light samples cover ([`SkyPart`]). With [`SkyPart::Bright`] it takes further samples
 //! of the sky through openings ([`Openings`](crate::light::Openings)), whose density counts beside that of these.
@@ -16,15 +16,17 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
+use super::light_sample::LightSample;
 use super::light_warp::light_warp;
 use super::punctual::sample_punctual;
 use super::reflected::{ReflectedLight, sample_reflected};
-use super::refracted::{FINER, LightWay, choose_way};
+use super::refracted::LightWay;
+use super::sky::sample_sky;
 use crate::bsdf::Scattering;
-use crate::light::{Light, Receiver, SampledLight, SkyPart, SkySample, TrianglePart};
+use crate::light::{Light, Receiver, SampledLight, SkyPart, TrianglePart};
 use crate::material::Bsdf;
 use crate::settings::LightSampling;
-use crate::world::{Between, Hit, LightEnd, SpecularConnection, Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// Light that a surface reflects if `ray` is not occluded.
 pub(crate) struct ShadowRay {
@@ -44,22 +46,6 @@ impl ShadowRay {
         let (ray, transmittance) = world.through_panes(&self.ray, time)?;
         Some(Self { ray, radiance: self.radiance * transmittance, ..self })
     }
-}
-
-/// Light that arrives from a light if nothing is in between.
-pub(crate) struct LightSample {
-    pub shadow: Ray,
-    /// Unit vector to the light.
-    pub direction: Vec3,
-    /// Radiance over density; of a delta light, irradiance on what faces it over probability.
-    pub radiance: Vec3,
-    /// The reciprocal of the density per solid angle of this direction; 0 for a light that no bounce can hit.
-    pub inv_density: f32,
-    /// Whether it comes from a light without a surface, which bounces meet where they look for it (see
-    /// [`seen_lights`](super::seen_lights)).
-    pub is_punctual: bool,
-    /// Whether `shadow` is the part of the way behind all glass.
-    pub is_glass_known: bool,
 }
 
 /// Samples direct light at a point of a surface whose normals face the viewer: a light, and light that mirrors reflect; none
@@ -168,26 +154,6 @@ pub(crate) fn scattered_weight(
     LightSampling::Mis.bounce_weight(density, by_lights)
 }
 
-/// The probability with which light samples at `surface` look at this part of the sky, without those through openings.
-pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -> f32 {
-    if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
-}
-
-/// The radiance of the sky in a unit vector, and the density per solid angle with which light samples at `receiver` that look
-/// at this part of it with a probability, and those through openings, look there.
-pub(crate) fn seen_sky(
-    world: &World,
-    receiver: &Receiver,
-    (probability, part): (f32, SkyPart),
-    direction: Vec3,
-) -> (Vec3, f32) {
-    let sky = &world.lights.sky;
-    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
-    let through_openings = openings.map_or(0.0, |openings| openings.density(receiver, direction));
-    let SkySample { radiance, density, .. } = sky.seen(receiver, part, direction);
-    (radiance, probability * density + through_openings)
-}
-
 /// Light from what was chosen; which point or direction, `v` says with what the choice left.
 #[inline(always)]
 pub(crate) fn sample_light(
@@ -266,45 +232,4 @@ pub(crate) fn area_light_sample(
     let radiance = light.emission * inv_density;
     let sample = LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: false };
     (sample, ((cosine > 0.0) | from_behind) & (cosine_at_light > 0.0))
-}
-
-#[inline(never)]
-fn sample_sky(world: &World, surface: &Surface, part: SkyPart, choice: &SampledLight, u: Vec2) -> Option<LightSample> {
-    let (sky, receiver) = (&world.lights.sky, surface.receiver());
-    let SkySample { direction, radiance, density, of_sun } = sky.sample(&receiver, part, u);
-    let is_below = !surface.transmits && surface.normal.dot(direction) <= 0.0;
-    let may_bend = of_sun != Vec3::ZERO && world.has_clear_glass();
-    if density <= 0.0 || (is_below && !may_bend) {
-        return None;
-    }
-    let shadow = Ray::new(surface.origin_towards(direction), direction);
-    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
-    let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, direction));
-    let density = choice.probability * density;
-    let inv_density = (density + through_openings).recip();
-    let radiance = if is_below { Vec3::ZERO } else { radiance * inv_density };
-    // No bounce sees the sun where that is what is asked for.
-    let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
-    let straight = LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: false };
-    if !may_bend {
-        return Some(straight);
-    }
-    // What glass bends, or samples through openings and bounces do not find straight behind it.
-    let bent = of_sun / density;
-    let way = |received, is_bent| LightWay { direction, shadow, received, is_bent };
-    let known = world.panes().and_then(|_| world.through_panes(&shadow, surface.time));
-    let straight = match known {
-        Some((shadow, transmittance)) => Some(LightWay { shadow, ..way(transmittance * radiance, false) }),
-        None => match world.glass_between(&shadow, surface.time) {
-            Between::NoGlass => Some(way(radiance, false)),
-            Between::Panes(shadow, transmittance) => Some(LightWay { shadow, ..way(transmittance * bent, true) }),
-            Between::Bends => None,
-        },
-    };
-    let end = (LightEnd::Direction(direction), choice.index);
-    let received = |connection: &SpecularConnection| connection.transmittance * connection.spread * bent;
-    let LightWay { direction, shadow, received: radiance, is_bent } =
-        choose_way(world, surface, end, straight, received, (u.x * FINER).fract())?;
-    let inv_density = if is_bent { 0.0 } else { inv_density };
-    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: true })
 }

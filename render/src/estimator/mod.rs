@@ -7,6 +7,7 @@ mod follow;
 mod gather;
 mod hemisphere;
 mod incident;
+mod light_sample;
 mod light_warp;
 mod occluders;
 mod punctual;
@@ -16,13 +17,13 @@ mod rounds;
 pub(crate) mod salts;
 mod secondary_lights;
 mod seen_lights;
+mod sky;
 mod weight;
 
 pub(crate) use adaptive_gather::AdaptiveGatherer;
 pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_direct_by, sample_light, scattered_weight,
-    seen_sky, sky_probability,
 };
 pub(crate) use follow::Follow;
 pub(crate) use gather::{GATHER_FIRST_SET, GatherPoint, Gathered, Gatherer};
@@ -35,3 +36,4 @@ pub(crate) use reflected::sample_reflected;
 pub(crate) use rounds::{RoundsMean, mean_in_rounds};
 pub(crate) use secondary_lights::{AimedRay, aim, aimed_density, aimed_weight};
 pub(crate) use seen_lights::{SeenLight, seen_lights};
+pub(crate) use sky::{seen_sky, sky_probability};

@@ -29,6 +29,7 @@ use crate::world::{LightEnd, LightInMirrors, SpecularConnection, Start, Starts, 
 const ALWAYS: f32 = 0.5;
 /// The most connections to a point.
 const MAX_CONNECTIONS: usize = 16;
+
 /// Reflected light that arrives if nothing is in between.
 pub(crate) struct ReflectedLight {
     /// The index of the light.
@@ -59,14 +60,16 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
         }
         let LightInMirrors { index, light, inv_probability, .. } = reflected;
         let is_sky = index == world.lights.sky_number();
-        let one = if is_sky {
-            let Some(point) = world.lights.sky.point_of_sun(u) else { continue };
-            Some(point)
-        } else {
-            world.motion().and_then(|_| world.moved_light(index, light, surface.time))
-        };
         let has_size = is_sky || light.has_size();
-        let light = one.as_ref().unwrap_or(light);
+        let instead = match is_sky {
+            true => world.lights.sky.point_of_sun(u),
+            false => world.motion().and_then(|_| world.moved_light(index, light, surface.time)),
+        };
+        // The numbers may mean another part of the sky.
+        if is_sky && instead.is_none() {
+            continue;
+        }
+        let light = instead.as_ref().unwrap_or(light);
         for start in starts.iter() {
             let probability = (start.strength / always).min(1.0);
             if found.len() == MAX_CONNECTIONS {

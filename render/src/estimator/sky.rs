@@ -1,0 +1,93 @@
+//! Light samples of the sky.
+//!
+//! Light comes straight through panes. What other glass does with it is left to bounces, but for the [sun](SkyLight::sun) of a
+//! picture, which these would rarely find: if a sample looks there, its light may come by connections, too.
+
+use glam::{Vec2, Vec3};
+use halfdome_kernel::Ray;
+
+use super::light_sample::LightSample;
+use super::refracted::{FINER, LightWay, choose_way};
+#[cfg(doc)]
+use crate::light::SkyLight;
+use crate::light::{Receiver, SampledLight, SkyPart, SkySample};
+use crate::world::{Between, LightEnd, SpecularConnection, Surface, World};
+
+/// The probability with which light samples at `surface` look at this part of the sky, without those through openings.
+pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -> f32 {
+    if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
+}
+
+/// The radiance of the sky in a unit vector, and the density per solid angle with which light samples at `receiver` that look
+/// at this part of it with a probability, and those through openings, look there.
+pub(crate) fn seen_sky(
+    world: &World,
+    receiver: &Receiver,
+    (probability, part): (f32, SkyPart),
+    direction: Vec3,
+) -> (Vec3, f32) {
+    let sky = &world.lights.sky;
+    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
+    let through_openings = openings.map_or(0.0, |openings| openings.density(receiver, direction));
+    let SkySample { radiance, density, .. } = sky.seen(receiver, part, direction);
+    (radiance, probability * density + through_openings)
+}
+
+/// A sample of this part of the sky, which was chosen among all lights.
+#[inline(never)]
+pub(super) fn sample_sky(
+    world: &World,
+    surface: &Surface,
+    part: SkyPart,
+    choice: &SampledLight,
+    u: Vec2,
+) -> Option<LightSample> {
+    let (sky, receiver) = (&world.lights.sky, surface.receiver());
+    let SkySample { direction, radiance, density, of_sun } = sky.sample(&receiver, part, u);
+    let is_below = !surface.transmits && surface.normal.dot(direction) <= 0.0;
+    let may_bend = of_sun != Vec3::ZERO && world.has_clear_glass();
+    if density <= 0.0 || (is_below && !may_bend) {
+        return None;
+    }
+    let shadow = Ray::new(surface.origin_towards(direction), direction);
+    let openings = sky.openings().filter(|_| part == SkyPart::Bright);
+    let through_openings = openings.map_or(0.0, |openings| openings.density(&receiver, direction));
+    let density = choice.probability * density;
+    let inv_density = (density + through_openings).recip();
+    let radiance = if is_below { Vec3::ZERO } else { radiance * inv_density };
+    // No bounce sees the sun where that is what is asked for.
+    let inv_density = if part == SkyPart::Sun { 0.0 } else { inv_density };
+    let straight = LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: false };
+    if !may_bend {
+        return Some(straight);
+    }
+    let way = sun_by_glass(world, surface, choice.index, &straight, of_sun / density, (u.x * FINER).fract())?;
+    let LightWay { direction, shadow, received: radiance, is_bent } = way;
+    let inv_density = if is_bent { 0.0 } else { inv_density };
+    Some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: true })
+}
+
+/// The way to a surface of light from the direction of a sample of the sky, which has this number, of which `bent` is the sun's
+/// radiance over the density.
+fn sun_by_glass(
+    world: &World,
+    surface: &Surface,
+    number: u32,
+    sample: &LightSample,
+    bent: Vec3,
+    u: f32,
+) -> Option<LightWay> {
+    let LightSample { direction, shadow, radiance, .. } = *sample;
+    let way = |received, is_bent| LightWay { direction, shadow, received, is_bent };
+    let straight = match world.panes().and_then(|_| world.through_panes(&shadow, surface.time)) {
+        Some((shadow, transmittance)) => Some(LightWay { shadow, ..way(transmittance * radiance, false) }),
+        None => match world.glass_between(&shadow, surface.time) {
+            Between::NoGlass => Some(way(radiance, false)),
+            // No pane that samples through openings and bounces cross.
+            Between::Panes(shadow, transmittance) => Some(LightWay { shadow, ..way(transmittance * bent, true) }),
+            Between::Bends => None,
+        },
+    };
+    let received = |connection: &SpecularConnection| connection.transmittance * connection.spread * bent;
+    choose_way(world, surface, (LightEnd::Direction(direction), number), straight, received, u)
+}
