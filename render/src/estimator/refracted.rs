@@ -19,7 +19,23 @@ pub(super) struct LightWay {
     pub received: Vec3,
     /// Whether glass has bent it.
     pub is_bent: bool,
+    /// The glass that it crosses straight, though that may bend light a little.
+    pub crossed: Crossed,
 }
+
+/// Glass on a straight way.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Crossed {
+    Nothing,
+    /// Only light samples cross it straight.
+    Glass,
+    /// Bounces cross it straight, too.
+    Panes,
+}
+
+/// The greatest angle, as a sine, between light that panes with faces of which normals differ by 3° let through and its straight
+/// way.
+const MAX_BEND: f32 = 0.06;
 
 impl LightWay {
     /// What is left of the straight way of light behind the glass on it; `None` if that bends it.
@@ -27,7 +43,7 @@ impl LightWay {
         match world.glass_between(&self.shadow, time) {
             Between::NoGlass => Some(self),
             Between::Panes(shadow, transmittance) => {
-                Some(Self { shadow, received: transmittance * self.received, ..self })
+                Some(Self { shadow, received: transmittance * self.received, crossed: Crossed::Glass, ..self })
             }
             Between::Bends => None,
         }
@@ -45,14 +61,20 @@ pub(super) fn choose_way(
     received: impl Fn(&SpecularConnection) -> Vec3,
     u: f32,
 ) -> Option<LightWay> {
-    let refracted = world.refracted_connections(surface, (end, number), straight.as_ref().map(|way| way.direction));
-    if refracted.is_empty() {
+    let along = straight.as_ref().map(|way| way.direction);
+    let refracted = world.refracted_connections(surface, (end, number), along);
+    // Light through the same glass counts once: as connections find it, which is exact, unless bounces find it straight.
+    let is_same = |it: &SpecularConnection| along.is_some_and(|way| it.direction.cross(way).length() < MAX_BEND);
+    let crossed = straight.as_ref().map(|way| way.crossed);
+    let straight = straight.filter(|way| way.crossed != Crossed::Glass || !refracted.iter().any(is_same));
+    let refracted = refracted.iter().filter(|it| crossed != Some(Crossed::Panes) || !is_same(it));
+    if refracted.clone().next().is_none() {
         return straight;
     }
     let straight = straight.filter(|way| !world.occluded_at(&way.shadow, surface.time));
-    let bent = refracted.iter().map(|connection| {
+    let bent = refracted.map(|connection| {
         let SpecularConnection { direction, rest: shadow, .. } = *connection;
-        LightWay { direction, shadow, received: received(connection), is_bent: true }
+        LightWay { direction, shadow, received: received(connection), is_bent: true, crossed: Crossed::Nothing }
     });
     let brought = |way: &LightWay| way.received.element_sum() * surface.shading_normal.dot(way.direction).abs();
     let total: f32 = straight.iter().map(brought).sum::<f32>() + bent.clone().map(|way| brought(&way)).sum::<f32>();

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 
 use super::light_sample::LightSample;
-use super::refracted::{FINER, LightWay, choose_way};
+use super::refracted::{Crossed, FINER, LightWay, choose_way};
 #[cfg(doc)]
 use crate::light::SkyLight;
 use crate::light::{Receiver, SampledLight, SkyPart, SkySample};
@@ -62,7 +62,7 @@ pub(super) fn sample_sky(
         return Some(straight);
     }
     let way = sun_by_glass(world, surface, choice.index, &straight, of_sun / density, (u.x * FINER).fract())?;
-    let LightWay { direction, shadow, received: radiance, is_bent } = way;
+    let LightWay { direction, shadow, received: radiance, is_bent, .. } = way;
     let inv_density = if is_bent { 0.0 } else { inv_density };
     Some(LightSample { shadow, direction, radiance, inv_density, is_punctual: false, is_glass_known: true })
 }
@@ -78,13 +78,18 @@ fn sun_by_glass(
     u: f32,
 ) -> Option<LightWay> {
     let LightSample { direction, shadow, radiance, .. } = *sample;
-    let way = |received, is_bent| LightWay { direction, shadow, received, is_bent };
+    let way = |shadow, received, crossed| {
+        let is_bent = crossed == Crossed::Glass;
+        LightWay { direction, shadow, received, is_bent, crossed }
+    };
     let straight = match world.panes().and_then(|_| world.through_panes(&shadow, surface.time)) {
-        Some((shadow, transmittance)) => Some(LightWay { shadow, ..way(transmittance * radiance, false) }),
+        Some((rest, transmittance)) => {
+            let crossed = if rest.t_min > shadow.t_min { Crossed::Panes } else { Crossed::Nothing };
+            Some(way(rest, transmittance * radiance, crossed))
+        }
         None => match world.glass_between(&shadow, surface.time) {
-            Between::NoGlass => Some(way(radiance, false)),
-            // No pane that samples through openings and bounces cross.
-            Between::Panes(shadow, transmittance) => Some(LightWay { shadow, ..way(transmittance * bent, true) }),
+            Between::NoGlass => Some(way(shadow, radiance, Crossed::Nothing)),
+            Between::Panes(rest, transmittance) => Some(way(rest, transmittance * bent, Crossed::Glass)),
             Between::Bends => None,
         },
     };

@@ -65,7 +65,7 @@ fn below_a_mirror() -> (Scene, DVec3) {
 /// A prism that lies across the view, with an edge up.
 fn below_a_prism() -> (Scene, DVec3) {
     let mut scene = plane();
-    let glass = Inputs { transmission_weight: 1.0, specular_ior: 1.5, ..Inputs::default() };
+    let glass = Inputs { transmission_weight: 1.0, specular_weight: 1.0, ..Inputs::default() };
     scene.materials.push(smooth(glass));
     let [near, far] = [-1.0, 1.6].map(|z| [[-0.5, 0.4, z], [0.7, 0.4, z], [0.1, 1.0, z]].map(Vec3::from));
     let sides = [[0, 1], [1, 2], [2, 0]].map(|[a, b]| quad([near[a], far[a], far[b], near[b]]));
@@ -103,7 +103,11 @@ fn all_integrators_find_it_in_mirrors_and_through_glass() {
 /// Gloss sees it in mirrors.
 #[test]
 fn gloss_sees_it_in_mirrors() {
-    let (mut scene, to_sun) = below_a_mirror();
+    let (mut scene, _) = below_a_mirror();
+    // It is low behind the camera, before which the wall is.
+    let to_sun = DVec3::new(-0.156, 0.31, 0.94).normalize();
+    let wall = [[-9.0, 0.0, -3.0], [9.0, 0.0, -3.0], [9.0, 6.0, -3.0], [-9.0, 6.0, -3.0]].map(Vec3::from);
+    scene.meshes[1] = mesh(&quad(wall), 1);
     for (base_metalness, specular_roughness) in [(0.0, 0.3), (1.0, 0.2), (1.0, 0.4)] {
         let inputs = Inputs { base_color: Vec3::splat(0.5), base_metalness, specular_roughness, ..Inputs::default() };
         scene.materials[0] = Material { inputs, ..Material::default() };
@@ -134,5 +138,31 @@ fn sensors_find_it_in_mirrors_and_through_glass() {
             (0..8).map(run).collect()
         });
         check(what, &found, &expected);
+    }
+}
+
+/// Faces that differ by 2° count as parallel for shadow rays, and connections find the light through them too.
+#[test]
+fn light_through_a_wedge_counts_once() {
+    let mut scene = plane();
+    scene.materials[0] = Material::matte(Vec3::splat(0.01));
+    scene.materials.push(smooth(Inputs { transmission_weight: 1.0, specular_weight: 1.0, ..Inputs::default() }));
+    let slope = 2f32.to_radians().tan();
+    let corners = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
+    let top = corners.map(|[x, z]| Vec3::new(x, 2.3 + slope * x, z));
+    let bottom = corners.map(|[x, z]| Vec3::new(x, 2.0, z));
+    let below = quad(bottom).map(|[a, b, c]| [a, c, b]);
+    scene.meshes.push(mesh(&[quad(top), below].concat(), 1));
+    let to_sun = DVec3::new(0.3, 0.9, 0.1).normalize();
+    let [picture, light] = skies(&scene, to_sun);
+    let (_, irradiance) = sky_with_sun(to_sun);
+    let all = integrators();
+    for ((what, scene), (name, integrator)) in
+        [("picture", picture), ("light", light)].iter().flat_map(|scene| all.iter().map(move |it| (scene, it)))
+    {
+        let found = Estimate::of(&means(scene, integrator)).mean;
+        let expected = irradiance * (to_sun.y * 0.01 / PI * 0.96 * 0.96);
+        let off = ((found - expected) / expected).abs().max_element();
+        assert!(off < 0.01, "{what}, {name}: {found}, not {expected}");
     }
 }
