@@ -16,7 +16,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{UniformSphere, Warp};
 
-use super::refracted::{Crossed, FINER, LightWay, choose_way};
+use super::refracted::{FINER, LightWay, Wedges, choose_way};
 use crate::light::SpotCone;
 use crate::scene::PunctualLight;
 use crate::world::{LightEnd, SpecularConnection, Surface, World};
@@ -53,7 +53,7 @@ pub(super) fn sample_punctual(
         LightEnd::Point(end) => towards(surface, end),
     };
     let received = intensity(light, -direction) * per_intensity;
-    let straight = LightWay { direction, shadow, received, is_bent: false, crossed: Crossed::Nothing };
+    let straight = LightWay { direction, shadow, received, is_bent: false, wedges: Wedges::None };
     let solid_angle = solid_angle(surface.position, light);
     if !world.has_clear_glass() {
         return Some((straight, solid_angle));

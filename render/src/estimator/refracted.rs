@@ -19,18 +19,17 @@ pub(super) struct LightWay {
     pub received: Vec3,
     /// Whether glass has bent it.
     pub is_bent: bool,
-    /// The glass that it crosses straight, though that may bend light a little.
-    pub crossed: Crossed,
+    pub wedges: Wedges,
 }
 
-/// Glass on a straight way.
+/// Glass that a straight way crosses though it bends light a little.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Crossed {
-    Nothing,
+pub(super) enum Wedges {
+    None,
     /// Only light samples cross it straight.
-    Glass,
+    OfSamples,
     /// Bounces cross it straight, too.
-    Panes,
+    OfBounces,
 }
 
 /// The greatest angle, as a sine, between light that panes with faces of which normals differ by 3° let through and its straight
@@ -42,8 +41,9 @@ impl LightWay {
     pub(super) fn straight(self, world: &World, time: f32) -> Option<Self> {
         match world.glass_between(&self.shadow, time) {
             Between::NoGlass => Some(self),
-            Between::Panes(shadow, transmittance) => {
-                Some(Self { shadow, received: transmittance * self.received, crossed: Crossed::Glass, ..self })
+            Between::Panes { rest, transmittance, are_exact } => {
+                let wedges = if are_exact { Wedges::None } else { Wedges::OfSamples };
+                Some(Self { shadow: rest, received: transmittance * self.received, wedges, ..self })
             }
             Between::Bends => None,
         }
@@ -65,16 +65,16 @@ pub(super) fn choose_way(
     let refracted = world.refracted_connections(surface, (end, number), along);
     // Light through the same glass counts once: as connections find it, which is exact, unless bounces find it straight.
     let is_same = |it: &SpecularConnection| along.is_some_and(|way| it.direction.cross(way).length() < MAX_BEND);
-    let crossed = straight.as_ref().map(|way| way.crossed);
-    let straight = straight.filter(|way| way.crossed != Crossed::Glass || !refracted.iter().any(is_same));
-    let refracted = refracted.iter().filter(|it| crossed != Some(Crossed::Panes) || !is_same(it));
+    let wedges = straight.as_ref().map_or(Wedges::None, |way| way.wedges);
+    let straight = straight.filter(|_| wedges != Wedges::OfSamples || !refracted.iter().any(is_same));
+    let refracted = refracted.iter().filter(|it| wedges != Wedges::OfBounces || !is_same(it));
     if refracted.clone().next().is_none() {
         return straight;
     }
     let straight = straight.filter(|way| !world.occluded_at(&way.shadow, surface.time));
     let bent = refracted.map(|connection| {
         let SpecularConnection { direction, rest: shadow, .. } = *connection;
-        LightWay { direction, shadow, received: received(connection), is_bent: true, crossed: Crossed::Nothing }
+        LightWay { direction, shadow, received: received(connection), is_bent: true, wedges: Wedges::None }
     });
     let brought = |way: &LightWay| way.received.element_sum() * surface.shading_normal.dot(way.direction).abs();
     let total: f32 = straight.iter().map(brought).sum::<f32>() + bent.clone().map(|way| brought(&way)).sum::<f32>();

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 
 use super::light_sample::LightSample;
-use super::refracted::{Crossed, FINER, LightWay, choose_way};
+use super::refracted::{FINER, LightWay, Wedges, choose_way};
 #[cfg(doc)]
 use crate::light::SkyLight;
 use crate::light::{Receiver, SampledLight, SkyPart, SkySample};
@@ -78,20 +78,21 @@ fn sun_by_glass(
     u: f32,
 ) -> Option<LightWay> {
     let LightSample { direction, shadow, radiance, .. } = *sample;
-    let way = |shadow, received, crossed| {
-        let is_bent = crossed == Crossed::Glass;
-        LightWay { direction, shadow, received, is_bent, crossed }
-    };
-    let straight = match world.panes().and_then(|_| world.through_panes(&shadow, surface.time)) {
-        Some((rest, transmittance)) => {
-            let crossed = if rest.t_min > shadow.t_min { Crossed::Panes } else { Crossed::Nothing };
-            Some(way(rest, transmittance * radiance, crossed))
+    let way = |shadow, received, is_bent, wedges| LightWay { direction, shadow, received, is_bent, wedges };
+    let known = world.panes().and_then(|_| world.through_panes(&shadow, surface.time));
+    let straight = match (known, world.glass_between(&shadow, surface.time)) {
+        // Samples through openings and bounces find it too.
+        (Some((rest, transmittance)), between) => {
+            let is_exact = matches!(between, Between::NoGlass | Between::Panes { are_exact: true, .. });
+            let wedges = if is_exact { Wedges::None } else { Wedges::OfBounces };
+            Some(way(rest, transmittance * radiance, false, wedges))
         }
-        None => match world.glass_between(&shadow, surface.time) {
-            Between::NoGlass => Some(way(shadow, radiance, Crossed::Nothing)),
-            Between::Panes(rest, transmittance) => Some(way(rest, transmittance * bent, Crossed::Glass)),
-            Between::Bends => None,
-        },
+        (None, Between::NoGlass) => Some(way(shadow, radiance, false, Wedges::None)),
+        (None, Between::Panes { rest, transmittance, are_exact }) => {
+            let wedges = if are_exact { Wedges::None } else { Wedges::OfSamples };
+            Some(way(rest, transmittance * bent, true, wedges))
+        }
+        (None, Between::Bends) => None,
     };
     let received = |connection: &SpecularConnection| connection.transmittance * connection.spread * bent;
     choose_way(world, surface, (LightEnd::Direction(direction), number), straight, received, u)

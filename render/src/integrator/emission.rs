@@ -71,7 +71,7 @@ pub(super) fn lights_beyond_panes(
             return;
         }
         let shadow = if distance == f32::INFINITY { *ray } else { Ray::between(ray.origin, ray.at(distance)) };
-        if let Between::Panes(rest, left) = world.glass_between(&shadow, hit.time)
+        if let Between::Panes { rest, transmittance: left, .. } = world.glass_between(&shadow, hit.time)
             && !world.occluded_at(&rest, hit.time)
         {
             let density = seen.density(world, &path.receiver(ray.origin), part);

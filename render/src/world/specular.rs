@@ -36,6 +36,9 @@ pub(crate) use photons::{LightInMirrors, Start, Starts};
 /// The most faces that a connection to a light may have.
 const MAX_FACES: usize = 16;
 
+/// The least cosine, of 0.06°, between directions of light that a pane has not bent.
+const MIN_STRAIGHT_COS: f32 = 1.0 - 5e-7;
+
 /// The smooth faces between surfaces and lights that bounces cannot hit.
 #[derive(Debug)]
 pub(super) struct Specular {
@@ -114,8 +117,14 @@ impl Specular {
 pub(crate) enum Between {
     /// No glass; the shadow ray finds opaque occluders.
     NoGlass,
-    /// Panes: the part of the shadow ray beyond them, and their transmittance.
-    Panes(Ray, Vec3),
+    /// Panes.
+    Panes {
+        /// The part of the shadow ray beyond them.
+        rest: Ray,
+        transmittance: Vec3,
+        /// Whether they do not bend light at all.
+        are_exact: bool,
+    },
     /// Glass that refracts light.
     Bends,
 }

@@ -16,12 +16,14 @@ use halfdome_kernel::sampling::Frame;
 
 use self::glass_tree::{GlassTree, Next, Pane};
 use super::super::{Hit, MIDDLE, World};
-use super::{Between, Face, MAX_FACES, beyond};
+use super::{Between, Face, MAX_FACES, MIN_STRAIGHT_COS, beyond};
 
 /// The cosine of 3°, the greatest angle between two faces that count as parallel.
 const MIN_PARALLEL_COS: f32 = 0.998_63;
 /// The greatest relative change of the light's density by which a pane may spread or focus light from a point.
 const MAX_SPREAD: f32 = 0.03;
+/// The same of faces between which photons find that light has kept its direction.
+const EXACT: (f32, f32) = (MIN_STRAIGHT_COS, 1e-3);
 
 impl World {
     /// The part of a shadow ray beyond all smooth glass that it meets first, ignoring refraction, at mid-shutter: an
@@ -41,13 +43,16 @@ impl World {
     /// The glass that a shadow ray crosses.
     #[inline(never)]
     pub(crate) fn glass_between(&self, shadow: &Ray, time: f32) -> Between {
-        let (mut ray, mut transmittance) = (*shadow, Vec3::ONE);
+        let (mut ray, mut transmittance, mut are_exact) = (*shadow, Vec3::ONE, true);
         if !self.specular.may_meet(shadow) || self.specular.misses_glass(shadow) {
             return Between::NoGlass;
         }
         for index in 0..MAX_FACES {
             let Some(entry) = self.face(&ray, time) else {
-                return if index == 0 { Between::NoGlass } else { Between::Panes(ray, transmittance) };
+                return match index {
+                    0 => Between::NoGlass,
+                    _ => Between::Panes { rest: ray, transmittance, are_exact },
+                };
             };
             let cos = entry.surface.smooth_normal.dot(ray.direction.normalize()).abs();
             let inner = beyond(&ray, &entry.surface);
@@ -61,9 +66,10 @@ impl World {
             let Some(exit) = self.face(&inner, time) else { return Between::Bends };
             let is_same = exit.surface.is_back && std::ptr::eq(exit.surface.material, entry.surface.material);
             let distance = (inner.origin - shadow.origin).length();
-            if !is_same || !self.are_parallel(&entry, &exit, distance) {
+            if !is_same || !self.are_parallel(&entry, &exit, distance, (MIN_PARALLEL_COS, MAX_SPREAD)) {
                 return Between::Bends;
             }
+            are_exact = are_exact && self.are_parallel(&entry, &exit, distance, EXACT);
             // The straight ray's length inside, times the cosine outside, is the pane's thickness.
             let ([(f, cos_inside), (g, _)], thickness) =
                 ([entry.at(cos), exit.at(cos)], (exit.surface.position - entry.surface.position).length() * cos);
@@ -113,17 +119,18 @@ impl World {
         crossed.filter(|_| is_free)
     }
 
-    /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance.
-    fn are_parallel(&self, entry: &Face, exit: &Face, distance: f32) -> bool {
+    /// Whether two faces of a solid preserve the direction of light, and its divergence over this distance, within these limits:
+    /// the cosine between them, and the change of the light's density.
+    fn are_parallel(&self, entry: &Face, exit: &Face, distance: f32, (min_cos, max_spread): (f32, f32)) -> bool {
         let normal = entry.surface.smooth_normal;
-        if normal.dot(exit.surface.smooth_normal) < MIN_PARALLEL_COS {
+        if normal.dot(exit.surface.smooth_normal) < min_cos {
             return false;
         }
         let [first, second] = [self.normal_derivative(entry), self.normal_derivative(exit)];
         let frame = Frame::from_normal(normal);
         [Vec3::X, Vec3::Y].iter().all(|&axis| {
             let step = frame.to_world(axis);
-            (entry.ior - 1.0) * (first.at(step) - second.at(step)).length() * distance < MAX_SPREAD
+            (entry.ior - 1.0) * (first.at(step) - second.at(step)).length() * distance < max_spread
         })
     }
 }

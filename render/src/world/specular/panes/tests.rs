@@ -59,7 +59,7 @@ fn through_pane(absorption: Vec3, thickness: f64) -> Vec3 {
 /// What is left of a shadow ray, and of its light.
 fn beyond_panes(world: &World, shadow: Ray) -> (Ray, Vec3) {
     match world.glass_between(&shadow, MIDDLE) {
-        Between::Panes(rest, left) => (rest, left),
+        Between::Panes { rest, transmittance, .. } => (rest, transmittance),
         Between::NoGlass => (shadow, Vec3::ONE),
         Between::Bends => panic!("{shadow:?} is bent"),
     }

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::cells::CellsBuilder;
 use super::{Arrival, FOLD, Photon, Sent};
 use crate::scene::{Mesh, PunctualLight};
-use crate::world::specular::MAX_FACES;
 use crate::world::specular::chain::{DifferentialRay, Reflection};
+use crate::world::specular::{MAX_FACES, MIN_STRAIGHT_COS};
 use crate::world::{Hit, MIDDLE, World};
 
 /// Photons for all lights and bodies, ...
@@ -27,9 +27,6 @@ const MIN_STRENGTH: f32 = 1e-3;
 
 /// The least cosine with a surface that a photon's footprint on it is taken for.
 const MIN_SLANT: f32 = 0.1;
-
-/// The least cosine, of 0.06°, between directions of light that a pane has not bent.
-const MIN_STRAIGHT_COS: f32 = 1.0 - 5e-7;
 
 /// A ball around a mesh with smooth faces.
 #[derive(Clone, Copy, Debug)]
