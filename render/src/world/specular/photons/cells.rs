@@ -10,7 +10,7 @@ use std::hash::{BuildHasherDefault, Hasher};
 use glam::{IVec3, UVec3, Vec3};
 use halfdome_kernel::geometry::Aabb;
 
-use super::{Arrival, Photon, Starts};
+use super::{Arrival, Photon, Start, Starts};
 
 /// The least width of a cell, as a part of the body's radius.
 const MIN_CELL_IN_RADII: f32 = 0.01;
@@ -32,8 +32,8 @@ type ByCell<T> = HashMap<(i32, IVec3), T, BuildHasherDefault<CellHasher>>;
 #[derive(Default)]
 pub(super) struct CellsBuilder {
     photons: Vec<Photon>,
-    /// In a cell, by level and place, of photons whose starts are close to each other there, one.
-    cells: ByCell<Vec<u32>>,
+    /// In a cell, by level and place, of photons whose starts are close to each other there, one, with its start in the middle.
+    cells: ByCell<Vec<(u32, Start)>>,
     /// Around all footprints.
     bounds: Option<Aabb>,
 }
@@ -106,15 +106,13 @@ impl CellsBuilder {
     /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
     fn add_to(&mut self, at: IVec3, level: Level, index: u32) {
         let center = level.width * (at.as_vec3() + 0.5);
-        let start = |index: u32| self.photons[index as usize].start(center, level.width);
-        let Some(own) = start(index) else {
+        let Some(own) = self.photons[index as usize].start(center, level.width) else {
             return;
         };
         let kept = self.cells.entry((level.exponent, at)).or_default();
-        let mut others = (0..kept.len()).filter_map(|i| Some((i, start(kept[i])?)));
-        match others.find(|(_, start)| own.is_beside(start)) {
-            Some((i, start)) if own.off < start.off => kept[i] = index,
-            None if kept.len() < MAX_OF_CELL => kept.push(index),
+        match kept.iter().position(|(_, start)| own.is_beside(start)) {
+            Some(place) if own.off < kept[place].1.off => kept[place] = (index, own),
+            None if kept.len() < MAX_OF_CELL => kept.push((index, own)),
             _ => {}
         }
     }
@@ -142,7 +140,7 @@ impl CellsBuilder {
         for ((exponent, at), kept) in cells {
             let first = all.entries.len();
             // Without those of NaN.
-            for index in kept.into_iter().filter(|&index| photons[index as usize].irradiance >= 0.0) {
+            for (index, _) in kept.into_iter().filter(|&(index, _)| photons[index as usize].irradiance >= 0.0) {
                 let photon = *places[index as usize].get_or_insert_with(|| {
                     all.photons.push(photons[index as usize]);
                     all.photons.len() as u32 - 1
