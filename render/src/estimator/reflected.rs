@@ -11,8 +11,8 @@
 //! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
 //! chosen by what it brings. Of many lights, four are looked for.
 //!
-//! A light with a size is a disc that faces the photon's direction, of which one point is sampled; so is of the sun of a sky
-//! picture.
+//! A light with a size is a disc that faces the photon's direction, of which one point is sampled and of the sun of a sky picture
+//! one direction.
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
@@ -60,7 +60,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
         }
         let LightInMirrors { index, light, inv_probability, .. } = reflected;
         let is_sky = index == world.lights.sky_number();
-        let has_size = is_sky || light.has_size();
+        let has_size = light.has_size();
         let instead = match is_sky {
             true => world.lights.sky.point_of_sun(u),
             false => world.motion().and_then(|_| world.moved_light(index, light, surface.time)),

@@ -17,7 +17,7 @@ pub(super) struct LightWay {
     pub shadow: Ray,
     /// Radiance over the density of the choice; of a delta light, irradiance on what faces it.
     pub received: Vec3,
-    /// Whether glass has bent it.
+    /// Whether no bounce finds it straight, as glass bends it.
     pub is_bent: bool,
     pub wedges: Wedges,
 }
@@ -36,14 +36,21 @@ pub(super) enum Wedges {
 /// way.
 const MAX_BEND: f32 = 0.06;
 
+impl Wedges {
+    /// Of panes that light samples alone may cross.
+    pub(super) fn of_samples(are_exact: bool) -> Self {
+        if are_exact { Self::None } else { Self::OfSamples }
+    }
+}
+
 impl LightWay {
     /// What is left of the straight way of light behind the glass on it; `None` if that bends it.
     pub(super) fn straight(self, world: &World, time: f32) -> Option<Self> {
         match world.glass_between(&self.shadow, time) {
             Between::NoGlass => Some(self),
             Between::Panes { rest, transmittance, are_exact } => {
-                let wedges = if are_exact { Wedges::None } else { Wedges::OfSamples };
-                Some(Self { shadow: rest, received: transmittance * self.received, wedges, ..self })
+                let (received, wedges) = (transmittance * self.received, Wedges::of_samples(are_exact));
+                Some(Self { shadow: rest, received, is_bent: !are_exact, wedges, ..self })
             }
             Between::Bends => None,
         }

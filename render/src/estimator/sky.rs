@@ -80,19 +80,22 @@ fn sun_by_glass(
     let LightSample { direction, shadow, radiance, .. } = *sample;
     let way = |shadow, received, is_bent, wedges| LightWay { direction, shadow, received, is_bent, wedges };
     let known = world.panes().and_then(|_| world.through_panes(&shadow, surface.time));
-    let straight = match (known, world.glass_between(&shadow, surface.time)) {
+    let between = || world.glass_between(&shadow, surface.time);
+    let straight = match known {
         // Samples through openings and bounces find it too.
-        (Some((rest, transmittance)), between) => {
-            let is_exact = matches!(between, Between::NoGlass | Between::Panes { are_exact: true, .. });
-            let wedges = if is_exact { Wedges::None } else { Wedges::OfBounces };
+        Some((rest, transmittance)) => {
+            let crosses_wedges =
+                rest.t_min > shadow.t_min && !matches!(between(), Between::Panes { are_exact: true, .. });
+            let wedges = if crosses_wedges { Wedges::OfBounces } else { Wedges::None };
             Some(way(rest, transmittance * radiance, false, wedges))
         }
-        (None, Between::NoGlass) => Some(way(shadow, radiance, false, Wedges::None)),
-        (None, Between::Panes { rest, transmittance, are_exact }) => {
-            let wedges = if are_exact { Wedges::None } else { Wedges::OfSamples };
-            Some(way(rest, transmittance * bent, true, wedges))
-        }
-        (None, Between::Bends) => None,
+        None => match between() {
+            Between::NoGlass => Some(way(shadow, radiance, false, Wedges::None)),
+            Between::Panes { rest, transmittance, are_exact } => {
+                Some(way(rest, transmittance * bent, true, Wedges::of_samples(are_exact)))
+            }
+            Between::Bends => None,
+        },
     };
     let received = |connection: &SpecularConnection| connection.transmittance * connection.spread * bent;
     choose_way(world, surface, (LightEnd::Direction(direction), number), straight, received, u)

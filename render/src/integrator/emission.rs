@@ -71,7 +71,8 @@ pub(super) fn lights_beyond_panes(
             return;
         }
         let shadow = if distance == f32::INFINITY { *ray } else { Ray::between(ray.origin, ray.at(distance)) };
-        if let Between::Panes { rest, transmittance: left, .. } = world.glass_between(&shadow, hit.time)
+        // Behind wedges light samples find all of it.
+        if let Between::Panes { rest, transmittance: left, are_exact: true } = world.glass_between(&shadow, hit.time)
             && !world.occluded_at(&rest, hit.time)
         {
             let density = seen.density(world, &path.receiver(ray.origin), part);

@@ -1,10 +1,10 @@
 //! Specular connections: smooth faces between a surface and a light that no bounce can be relied on to hit.
 //!
-//! Light of points, spots and suns, those of sky pictures too, that reaches a scattering surface through smooth glass, or from
-//! a mirror, is found by light samples alone: rays cannot hit delta lights, and for lights with a size bounces are used only
-//! for gloss that sees them in mirrors or behind [panes](panes). Where the two faces of a solid are parallel, as in a window, light leaves in
-//! its old direction, and a straight shadow ray finds it. Light that is refracted by balls, bottles and water, or
-//! reflected, arrives from another direction, which [manifold exploration](manifold) finds.
+//! Light of points, spots and suns, those of sky pictures too, that reaches a scattering surface through smooth glass, or
+//! from a mirror, is found by light samples alone: rays cannot hit delta lights, and for lights with a size bounces are
+//! used only for gloss that sees them in mirrors or behind [panes](panes). Where the two faces of a solid are parallel, as
+//! in a window, light leaves in its old direction, and a straight shadow ray finds it. Light that is refracted by balls,
+//! bottles and water, or reflected, arrives from another direction, which [manifold exploration](manifold) finds.
 //!
 //! The flux through a plane also crosses any parallel plane. Paths carry basic radiance, `L / n²`, so entering or
 //! leaving a solid needs no factor `n²`.

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture, SpotEdge};
-use halfdome::settings::Settings;
+use halfdome::settings::{Integrator, Settings};
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, view};
 
 const REFLECTANCE: Vec3 = Vec3::new(0.25, 0.5, 0.9);
@@ -42,6 +42,15 @@ fn plane() -> Scene {
 
 fn settings() -> Settings {
     Settings { width: SIZE.0, height: SIZE.1, spp: 64, ..Settings::default() }
+}
+
+/// The means of pictures of so many seeds.
+fn means(scene: &Scene, integrator: &Integrator, seeds: u64) -> Vec<DVec3> {
+    let run = |seed| {
+        let pixels = pixels(&render(scene, &Settings { seed, integrator: integrator.clone(), ..settings() }));
+        pixels.iter().sum::<DVec3>() / pixels.len() as f64
+    };
+    (0..seeds).map(run).collect()
 }
 
 /// The means over pixels of `radiance` at the height `y`, where the camera sees it.

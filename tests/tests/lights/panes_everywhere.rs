@@ -8,14 +8,12 @@ use halfdome::irradiance::{Part, Request, Sensor, by_paths};
 use halfdome::material::Inputs;
 use halfdome::probes;
 use halfdome::scene::{Material, Scene, Sky, SkyPicture};
-use halfdome::settings::{
-    CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Settings, Survival,
-};
+use halfdome::settings::{CachedOptions, DirectOptions, Integrator, MonteCarloOptions, PathOptions, Survival};
 use halfdome::world::World;
-use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, render};
+use halfdome_tests::render::{Estimate, NeverStops, material, mesh};
 
 use crate::panes::{below_a_pane, flipped, glowing_below_a_pane, mean_parts, parts};
-use crate::{settings, square};
+use crate::{means, square};
 
 /// How dark the plane is, as the pane sends back a part of what it reflects.
 const DARK: f32 = 0.002;
@@ -84,21 +82,12 @@ pub(crate) fn integrators() -> [(&'static str, Integrator); 4] {
     ]
 }
 
-fn means(scene: &Scene, integrator: &Integrator) -> Vec<DVec3> {
-    let run = |seed| {
-        let settings = Settings { seed, integrator: integrator.clone(), ..settings() };
-        let pixels = pixels(&render(scene, &settings));
-        pixels.iter().sum::<DVec3>() / pixels.len() as f64
-    };
-    (0..8).map(run).collect()
-}
-
 #[test]
 fn all_integrators_see_sky_and_sun_through_panes() {
     for thin_walled in [true, false] {
         let expected = f64::from(DARK) / PI * through_pane(thin_walled, radiance, 1);
         for (name, integrator) in integrators() {
-            check(name, &means(&scene(thin_walled), &integrator), expected);
+            check(name, &means(&scene(thin_walled), &integrator, 8), expected);
         }
     }
 }
@@ -110,7 +99,7 @@ fn all_integrators_see_panels_through_panes() {
         let expected = f64::from(DARK) * mean_parts(thin_walled)[0];
         // Without bounces that find it, samples evenly over the panel are too rarely near.
         for (name, integrator) in integrators().into_iter().skip(2) {
-            check(name, &means(&scene, &integrator), expected);
+            check(name, &means(&scene, &integrator, 8), expected);
         }
     }
 }
@@ -121,7 +110,7 @@ fn all_integrators_see_what_panes_reflect() {
         let (scene, expected) = glowing_below_a_pane(thin_walled);
         // Direct light has no reflections.
         for (name, integrator) in integrators().into_iter().skip(1) {
-            check(name, &means(&scene, &integrator), expected);
+            check(name, &means(&scene, &integrator, 8), expected);
         }
     }
 }
@@ -136,9 +125,9 @@ fn gloss_below_panes_is_as_bright_in_all_integrators() {
         scene.materials[0] = Material { inputs, ..Material::default() };
         scene.sky = Sky::constant(Vec3::ONE);
         let [_, (_, montecarlo), (_, cached), (_, path)] = integrators();
-        let expected = Estimate::of(&means(&scene, &path));
+        let expected = Estimate::of(&means(&scene, &path, 8));
         for integrator in [montecarlo, cached] {
-            let found = Estimate::of(&means(&scene, &integrator));
+            let found = Estimate::of(&means(&scene, &integrator, 8));
             let z = found.z(&expected, 5e-3).max_element();
             assert!(z < 4.5, "{integrator:?}, metalness {base_metalness}: {found:?} and {expected:?}: {z}");
         }

@@ -5,13 +5,12 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Vec3};
 use halfdome::irradiance::{Part, Request, Sensor, by_paths};
 use halfdome::material::Inputs;
-use halfdome::scene::{Material, PunctualLight, Scene, Sky, SkyPicture};
-use halfdome::settings::{Integrator, Settings};
+use halfdome::scene::{CameraPose, Material, PunctualLight, Scene, Sky, SkyPicture};
 use halfdome::world::World;
-use halfdome_tests::render::{Estimate, NeverStops, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, NeverStops, mesh, quad};
 
 use crate::panes_everywhere::integrators;
-use crate::{plane, settings};
+use crate::{means, plane};
 
 const WIDTH: u32 = 1024;
 const HEIGHT: u32 = WIDTH / 2;
@@ -74,14 +73,6 @@ fn below_a_prism() -> (Scene, DVec3) {
     (scene, DVec3::new(-0.3, 0.9, 0.1).normalize())
 }
 
-fn means(scene: &Scene, integrator: &Integrator) -> Vec<DVec3> {
-    let run = |seed| {
-        let pixels = pixels(&render(scene, &Settings { seed, integrator: integrator.clone(), ..settings() }));
-        pixels.iter().sum::<DVec3>() / pixels.len() as f64
-    };
-    (0..8).map(run).collect()
-}
-
 /// The picture's border is less sharp, and paths find neither by chance.
 fn check(what: &str, found: &[DVec3], expected: &[DVec3]) {
     let [found, expected] = [found, expected].map(Estimate::of);
@@ -95,7 +86,7 @@ fn all_integrators_find_it_in_mirrors_and_through_glass() {
     for (what, (scene, to_sun)) in [("mirror", below_a_mirror()), ("prism", below_a_prism())] {
         let [picture, light] = skies(&scene, to_sun);
         for (name, integrator) in integrators() {
-            check(&format!("{what}, {name}"), &means(&picture, &integrator), &means(&light, &integrator));
+            check(&format!("{what}, {name}"), &means(&picture, &integrator, 8), &means(&light, &integrator, 8));
         }
     }
 }
@@ -113,7 +104,7 @@ fn gloss_sees_it_in_mirrors() {
         scene.materials[0] = Material { inputs, ..Material::default() };
         let [picture, light] = skies(&scene, to_sun);
         let [.., (name, path)] = integrators();
-        let [found, expected] = [&picture, &light].map(|scene| Estimate::of(&means(scene, &path)));
+        let [found, expected] = [&picture, &light].map(|scene| Estimate::of(&means(scene, &path, 8)));
         let z = found.z(&expected, 5e-3).max_element();
         let off = ((found.mean - expected.mean) / expected.mean).abs().max_element();
         assert!(
@@ -141,18 +132,22 @@ fn sensors_find_it_in_mirrors_and_through_glass() {
     }
 }
 
-/// Faces that differ by 2° count as parallel for shadow rays, and connections find the light through them too.
-#[test]
-fn light_through_a_wedge_counts_once() {
-    let mut scene = plane();
-    scene.materials[0] = Material::matte(Vec3::splat(0.01));
-    scene.materials.push(smooth(Inputs { transmission_weight: 1.0, specular_weight: 1.0, ..Inputs::default() }));
-    let slope = 2f32.to_radians().tan();
+/// The plane below glass whose upper face slopes by an angle in degrees.
+fn below_a_wedge(floor: Material, slope: f32) -> Scene {
+    let glass = smooth(Inputs { transmission_weight: 1.0, specular_weight: 1.0, ..Inputs::default() });
+    let mut scene = Scene { materials: vec![floor, glass], ..plane() };
     let corners = [[-3.0, -3.0], [-3.0, 3.0], [3.0, 3.0], [3.0, -3.0]];
-    let top = corners.map(|[x, z]| Vec3::new(x, 2.3 + slope * x, z));
+    let top = corners.map(|[x, z]| Vec3::new(x, 2.3 + slope.to_radians().tan() * x, z));
     let bottom = corners.map(|[x, z]| Vec3::new(x, 2.0, z));
     let below = quad(bottom).map(|[a, b, c]| [a, c, b]);
     scene.meshes.push(mesh(&[quad(top), below].concat(), 1));
+    scene
+}
+
+/// Faces that differ by 2° count as parallel for shadow rays, and connections find the light through them too.
+#[test]
+fn light_through_a_wedge_counts_once() {
+    let scene = below_a_wedge(Material::matte(Vec3::splat(0.01)), 2.0);
     let to_sun = DVec3::new(0.3, 0.9, 0.1).normalize();
     let [picture, light] = skies(&scene, to_sun);
     let (_, irradiance) = sky_with_sun(to_sun);
@@ -160,9 +155,28 @@ fn light_through_a_wedge_counts_once() {
     for ((what, scene), (name, integrator)) in
         [("picture", picture), ("light", light)].iter().flat_map(|scene| all.iter().map(move |it| (scene, it)))
     {
-        let found = Estimate::of(&means(scene, integrator)).mean;
+        let found = Estimate::of(&means(scene, integrator, 8)).mean;
         let expected = irradiance * (to_sun.y * 0.01 / PI * 0.96 * 0.96);
         let off = ((found - expected) / expected).abs().max_element();
         assert!(off < 0.01, "{what}, {name}: {found}, not {expected}");
+    }
+}
+
+/// Gloss, whose bounces look for lights behind panes: hardly otherwise than below a plate.
+#[test]
+fn gloss_below_a_wedge_is_as_bright_as_below_a_plate() {
+    let to_sun = DVec3::new(0.3, 0.9, 0.1).normalize();
+    let inputs = Inputs { base_metalness: 1.0, specular_roughness: 0.15, ..Inputs::default() };
+    let [.., (name, path)] = integrators();
+    let [wedge, plate] = [2.0, 0.0].map(|slope| {
+        let mut scene = below_a_wedge(Material { inputs, ..Material::default() }, slope);
+        // It looks at where the sun is mirrored.
+        let eye = 1.5 * (to_sun * DVec3::new(-1.0, 1.0, -1.0)).as_vec3();
+        scene.camera = Some(CameraPose { eye, target: Vec3::ZERO, up: Vec3::X, vfov: 30.0 });
+        skies(&scene, to_sun).map(|scene| Estimate::of(&means(&scene, &path, 8)).mean)
+    });
+    for (what, wedge, plate) in [("picture", wedge[0], plate[0]), ("light", wedge[1], plate[1])] {
+        let off = (wedge / plate - 1.0).abs().max_element();
+        assert!(off < 0.03, "{what}, {name}: {wedge} and {plate}");
     }
 }

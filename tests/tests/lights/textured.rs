@@ -1,12 +1,12 @@
 //! Light of emissive textures, whose lit parts are lights of their own: against squares in their places that emit evenly.
 
-use glam::{Affine2, DVec3, Vec2, Vec3};
+use glam::{Affine2, Vec2, Vec3};
 use halfdome::scene::{Material, Mesh, Scene, Texture, TextureFilter, TextureMap, Wrap};
-use halfdome::settings::{Integrator, Settings};
+use halfdome::settings::Settings;
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
 
 use crate::panes_everywhere::integrators;
-use crate::{plane, settings};
+use crate::{means, plane, settings};
 
 /// Texels along each edge, and squares along each edge of the panel, which shows the texture more than once.
 const TEXELS: usize = 32;
@@ -63,15 +63,6 @@ fn squares(wrap: Wrap) -> Scene {
     let lit = lit.flat_map(|place| part(at(place) / SQUARES as f32, (at(place) + 1.0) / SQUARES as f32));
     scene.meshes.push(mesh(&lit.collect::<Vec<_>>(), 1));
     scene
-}
-
-/// The means of pictures of several seeds.
-fn means(scene: &Scene, integrator: &Integrator, seeds: u64) -> Vec<DVec3> {
-    let run = |seed| {
-        let pixels = pixels(&render(scene, &Settings { seed, integrator: integrator.clone(), ..settings() }));
-        pixels.iter().sum::<DVec3>() / pixels.len() as f64
-    };
-    (0..seeds).map(run).collect()
 }
 
 #[test]
