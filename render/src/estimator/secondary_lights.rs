@@ -95,10 +95,12 @@ mod tests {
         })
         .unwrap();
         // One is lit as a whole, of the other each cell but the last.
-        let division = |prim: u32| Division { side: if prim == 2 { 1 } else { 3 } };
+        let division = |prim: u32| Division::Congruent { side: if prim == 2 { 1 } else { 3 } };
         let everywhere = (0..4096).map(|i| (UniformSphere.map(Stream::new(3, i, 0).uniform2(0)), f32::INFINITY));
         let reach = Reach::of(everywhere);
-        let cells = [2, 3].into_iter().flat_map(|prim| division(prim).corners().take(8).map(move |cell| (prim, cell)));
+        let cells = [2, 3]
+            .into_iter()
+            .flat_map(|prim| division(prim).corners().into_iter().take(8).map(move |cell| (prim, cell)));
         let parts = cells.map(|(prim_id, places)| {
             let TriangleRecord { corners, normal, .. } = world.triangle_records()[prim_id as usize];
             let cell = TrianglePart { prim_id, places };

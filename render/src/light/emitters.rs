@@ -59,7 +59,7 @@ impl Emitters {
         }
         let division_of = |prim_id: u32| {
             let known = sides.binary_search_by_key(&prim_id, |(prim_id, _)| *prim_id);
-            known.map_or(Division { side: 1 }, |place| sides[place].1)
+            known.map_or(Division::WHOLE, |place| sides[place].1)
         };
         let table = PartTable::new(parts.iter(), division_of, triangles.len());
         Self { parts, lights, table }

@@ -16,6 +16,7 @@ mod receiver;
 mod secondary_lights;
 mod sized;
 mod sky;
+mod slices;
 mod tree;
 
 use std::f64::consts::PI;
@@ -34,6 +35,7 @@ pub(crate) use self::receiver::Receiver;
 pub(crate) use self::secondary_lights::{ChosenPart, LitPart, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{Openings, SkyLight, SkyPart, SkySample};
+pub(crate) use self::slices::{most_slices, slices};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};
 pub(crate) use self::tree::leaf::{SpotCone, TriangleLight};

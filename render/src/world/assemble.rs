@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use halfdome_kernel::{BuildOptions, Bvh, Executor, Triangle, offset_distance, triangle_normal};
+use rayon::prelude::*;
 
 use super::emission_cells::EmissionCells;
 use super::media::Solids;
@@ -13,7 +14,7 @@ use super::surface::closures::ClosureCell;
 use super::surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use super::surface::shadow_terminator::Convexity;
 use super::{World, WorldError};
-use crate::light::{Light, LightSampler, SkyLight};
+use crate::light::{Light, LightSampler, SkyLight, luminance_weight, most_slices, slices};
 use crate::material::Kind;
 use crate::scene::{LightLabel, Material, Mesh, Scene};
 
@@ -71,7 +72,13 @@ impl World {
         let moved: Vec<_> =
             spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
         let cells = EmissionCells::new((&meshes, &first_faces), (&materials, &textures), &triangle_records[..still]);
-        let emissive_parts = |prim: usize| cells.emissive_parts(prim);
+        let emits = |prim: usize| material(prim).emission != Vec3::ZERO;
+        let most = most_slices((0..still).into_par_iter().filter(|&prim| emits(prim)).count());
+        let slices = |prim: usize| {
+            let radiance = luminance_weight(material(prim).emission);
+            (prim < still).then(|| slices(prim as u32, &corners[prim], radiance, most)).flatten()
+        };
+        let emissive_parts = |prim: usize| cells.emissive_parts(prim).or_else(|| slices(prim));
         let others = (shown, SkyLight::new(sky));
         let mut lights = LightSampler::new(&corners, material, front, emissive_parts, others, bounds);
         moved.into_iter().for_each(|(number, light)| lights.replace_punctual(number, light));

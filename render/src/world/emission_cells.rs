@@ -71,14 +71,14 @@ impl<'a> EmissionCells<'a> {
     /// The parts of a triangle that emit; `None` if it has no emissive texture, or moves.
     pub(super) fn emissive_parts(&self, prim: usize) -> Option<EmissiveParts> {
         let (table, map, [a, b, c]) = self.texture(prim)?;
-        let division = Division { side: side(table.extent(map, &[a, b, c]), self.texels) };
+        let side = side(table.extent(map, &[a, b, c]), self.texels);
         let texcoord = |place: Vec2| a + (b - a) * place.x + (c - a) * place.y;
         let radiance = |part: &TrianglePart| table.mean(map, &part.places.map(texcoord));
         let (whole, mut parts) = (TrianglePart::whole(prim as u32), Vec::new());
-        if let Some(even) = divide(&whole, division.side.ilog2(), &radiance, &mut parts) {
+        if let Some(even) = divide(&whole, side.ilog2(), &radiance, &mut parts) {
             parts.push((whole, even));
         }
-        Some(EmissiveParts { division, parts })
+        Some(EmissiveParts { division: Division::Congruent { side }, parts })
     }
 }
 

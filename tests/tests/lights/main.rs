@@ -2,6 +2,7 @@
 
 mod guide;
 mod lit_parts;
+mod long;
 mod openings;
 mod panes;
 mod panes_everywhere;

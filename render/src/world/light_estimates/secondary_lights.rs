@@ -84,7 +84,7 @@ impl World {
         let found = self.found(&views, &bounces, least);
         let smallest = SMALL * self.still_records().par_iter().map(|it| f64::from(area(&it.corners))).sum::<f64>();
         let divisions = self.divisions(&found, smallest);
-        let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division { side: 1 });
+        let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division::WHOLE);
         let triangles = self.triangle_records.len();
         let small = self.small_candidates(&found, smallest, least);
         let all = SecondaryLights::new(self.candidates(&found, small, &divisions, least), division, triangles);
@@ -135,7 +135,7 @@ impl World {
         };
         let division = |triangle: &Found| {
             let cells = DIVIDED_PARTS * triangle.squares / all * triangle.bounces / triangle.lit;
-            Division { side: cells.sqrt().clamp(1.0, MAX_SIDE) as u32 }
+            Division::Congruent { side: cells.sqrt().clamp(1.0, MAX_SIDE) as u32 }
         };
         let divided = found.iter().filter(|(prim, triangle)| is_divided(**prim, triangle));
         divided.map(|(&prim, triangle)| (prim, division(triangle))).collect()
@@ -167,9 +167,9 @@ impl World {
         divisions: &BTreeMap<u32, Division>,
         least: f32,
     ) -> Vec<LitPart> {
-        let small = small.into_par_iter().map(|prim| (prim, Division { side: 1 }));
+        let small = small.into_par_iter().map(|prim| (prim, Division::WHOLE));
         let cells = small.chain(divisions.par_iter().map(|(&prim, &division)| (prim, division))).flat_map_iter(
-            |(prim_id, division)| division.corners().map(move |places| TrianglePart { prim_id, places }),
+            |(prim_id, division)| division.corners().into_iter().map(move |places| TrianglePart { prim_id, places }),
         );
         cells
             .filter_map(|cell| {

@@ -1,0 +1,47 @@
+//! Long, thin emissive triangles, such as LED strips, close to what they light.
+
+use glam::{DVec3, Vec3};
+use halfdome::scene::{CameraPose, Scene};
+use halfdome::settings::{Integrator, Settings};
+use halfdome_tests::render::{material, mesh, pixels, quad, render};
+
+use crate::{EMISSION, SIZE, check, expected, form_factor, plane, reflected, settings};
+
+/// A strip of 4 m by 2 cm, 5 cm above the plane, which it lights, and the radiance of each pixel.
+fn strip() -> (Scene, Vec<DVec3>) {
+    let mut scene = plane();
+    let camera =
+        CameraPose { eye: Vec3::new(0.0, 1.0, 1.2), target: Vec3::new(0.0, 0.0, 0.35), up: Vec3::Y, vfov: 12.0 };
+    scene.camera = Some(camera);
+    let corners = [[-2.0, 0.05, -0.02], [2.0, 0.05, -0.02], [2.0, 0.05, 0.0], [-2.0, 0.05, 0.0]].map(Vec3::from);
+    scene.materials.push(material(Vec3::ZERO, EMISSION));
+    scene.meshes.push(mesh(&quad(corners), 1));
+    let corners = corners.map(|corner| corner.as_dvec3());
+    let radiance = |point| reflected(EMISSION.as_dvec3() * form_factor(point, DVec3::Y, &corners));
+    let expected = expected(&scene, 0.0, radiance);
+    (scene, expected)
+}
+
+#[test]
+fn a_strip_lights_the_plane_by_lamberts_formula() {
+    let (scene, expected) = strip();
+    check(&scene, &expected, 0.03);
+}
+
+/// Samples of whole triangles have thirty times the error of paths: 0.17.
+#[test]
+fn samples_look_at_the_part_of_a_strip_that_is_close() {
+    let (scene, expected) = strip();
+    // Light samples alone are noisier.
+    for (name, most) in [("path", 0.01), ("direct", 0.03)] {
+        let integrator = Integrator::named(name).unwrap();
+        let error = |seed: u64| {
+            let settings = Settings { seed, spp: 16, integrator: integrator.clone(), ..settings() };
+            let squares = pixels(&render(&scene, &settings)).into_iter().zip(&expected);
+            squares.map(|(pixel, expected)| (pixel.y / expected.y - 1.0).powi(2)).sum::<f64>()
+                / f64::from(SIZE.0 * SIZE.1)
+        };
+        let error = (0..16).map(error).sum::<f64>() / 16.0;
+        assert!(error < most, "{error} by {name}");
+    }
+}
