@@ -8,6 +8,7 @@ mod hit;
 mod labels;
 mod light_estimates;
 mod media;
+mod opacity_micromaps;
 mod placement;
 mod ray_counts;
 mod specular;
@@ -29,6 +30,7 @@ pub use light_estimates::seen_points::LightQuery;
 pub(crate) use light_estimates::seen_points::Side;
 pub(crate) use media::Boundary;
 use media::Solids;
+use opacity_micromaps::OpacityMicromaps;
 pub(crate) use placement::instances::InstanceRecord;
 use placement::instances::Instances;
 pub(crate) use placement::motion::Motion;
@@ -51,6 +53,8 @@ pub struct World {
     textures: Vec<Texture>,
     /// Whether any surface has holes.
     has_holes: bool,
+    /// Where these are; empty if there are none.
+    opacity_micromaps: OpacityMicromaps,
     /// What kind of closure each material needs, and whether that of any mesh is not matte.
     kinds: Vec<Kind>,
     /// The convexity of each `prim_id`.

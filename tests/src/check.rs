@@ -5,7 +5,7 @@ use halfdome_kernel::bvh::RoundBuild;
 use halfdome_kernel::geometry::intersect_round;
 use halfdome_kernel::traverse::{PacketWidth, Width, reference};
 use halfdome_kernel::{
-    Bvh, BvhView, Hit, Isa, Item, Level, Quality, Ray, RoundBvh, Scene, SceneHit, SceneRay, Triangle,
+    Bvh, BvhView, Hit, Isa, Item, Level, Quality, Ray, RoundBvh, Scene, SceneHit, SceneRay, Triangle, Verdict,
 };
 
 use crate::scenes::{scene_rays, with_scene};
@@ -74,6 +74,24 @@ pub fn check_tree(tree: &BvhView, rays: &[Ray], expected: &[Option<Hit>]) {
         }
     }
     isas().for_each(|isa| check_ways(&tree.with_isa(isa), rays, expected));
+    isas().for_each(|isa| check_filtered(&tree.with_isa(isa), rays));
+}
+
+/// Streams of rays, of which each passes through some triangles, find what single rays find.
+fn check_filtered(tree: &BvhView, rays: &[Ray]) {
+    let batch = rays.len().max(if rays.is_empty() { 0 } else { BATCH });
+    let batch: Vec<Ray> = rays.iter().copied().cycle().take(batch).collect();
+    let accepts = |ray: usize, hit: &Hit| !(ray as u32 ^ hit.prim_id ^ hit.u.to_bits() >> 9).is_multiple_of(3);
+    let (mut hits, mut occluded) = (vec![Hit::MISS; batch.len()], vec![false; batch.len()]);
+    tree.intersect_many_filtered(&batch, &mut hits, accepts);
+    tree.occluded_many_filtered(&batch, &mut occluded, accepts);
+    for (i, ray) in batch.iter().enumerate() {
+        let verdict = |hit: &Hit| if accepts(i, hit) { Verdict::Accept } else { Verdict::Reject };
+        let alone = tree.intersect_filtered(ray, verdict);
+        let (level, found) = (tree.isa().level(), hits[i]);
+        assert!(same(Some(found), Some(alone.unwrap_or(Hit::MISS))), "{level}, {found:?}, not {alone:?}, {ray:?}");
+        assert_eq!(occluded[i], alone.is_some(), "{level}, any, filtered, {ray:?}");
+    }
 }
 
 /// All ways to trace rays through a scene of a tree, of one kind, give what the loop over all triangles of all items

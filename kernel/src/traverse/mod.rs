@@ -8,6 +8,7 @@
 //! | a slice | [`BvhView::intersect_many`] | [`BvhView::occluded_many`] |
 //! | a slice, of one origin | [`BvhView::intersect_gather`] | [`BvhView::occluded_gather`] |
 //! | one, with a filter | [`BvhView::intersect_filtered`] | [`BvhView::occluded_filtered`] |
+//! | a slice, with a filter | [`BvhView::intersect_many_filtered`] | [`BvhView::occluded_many_filtered`] |
 //! | one, through one-sided triangles | [`BvhView::intersect_facing`] | [`BvhView::occluded_facing`] |
 //!
 //! | question | method |

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::emission_cells::EmissionCells;
 use super::media::Solids;
+use super::opacity_micromaps::OpacityMicromaps;
 use super::placement::instances::Instances;
 use super::placement::motion::Motion;
 use super::ray_counts::RayCounters;
@@ -96,6 +97,11 @@ impl World {
         };
         let emitter_records = lights.lights().iter().map(emitter).collect();
         let has_holes = meshes.iter().any(|mesh| materials[mesh.material].has_holes() || has_colors(mesh, &materials));
+        let mut opacity_micromaps = OpacityMicromaps::default();
+        if has_holes {
+            opacity_micromaps =
+                OpacityMicromaps::new((&meshes, &first_faces), (&materials, &textures), &triangle_records);
+        }
         let kinds: Vec<Kind> = materials.iter().map(Material::kind).collect();
         let solids = Solids::new(&materials);
         let is_narrow = |light: &Light| matches!(light, Light::Punctual(_));
@@ -111,6 +117,7 @@ impl World {
             materials,
             textures,
             has_holes,
+            opacity_micromaps,
             kinds,
             bulges,
             has_closures,

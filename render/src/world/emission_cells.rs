@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
 use super::surface::shading_records::TriangleRecord;
@@ -42,7 +42,7 @@ impl<'a> EmissionCells<'a> {
     ) -> Self {
         let table = |(number, material): (usize, &Material)| {
             let map = material.emission_map.as_ref()?;
-            let brightness = |texel| luminance_weight(material.emission * texel);
+            let brightness = |texel: Vec4| luminance_weight(material.emission * texel.truncate());
             Some((number as u32, textures[map.texture].brightness(map, brightness)))
         };
         let tables = materials.par_iter().enumerate().filter_map(table).collect();

@@ -1,10 +1,11 @@
 //! Tracing of rays, with cut-outs: rays pass through where opacity is low.
 //!
-//! The tree ignores cut-outs. Batches of rays are first traced without them; the few rays whose nearest hit is in a
-//! hole are traced again with a filter, and so are shadow rays with any hit.
+//! The tree ignores cut-outs. Where they are, [micromaps](super::opacity_micromaps) or textures tell: a filter of the hits of
+//! ray streams. Coherent packets and instances are traced without it first, and rays that hit a hole once more.
 
+use glam::Vec2;
 use halfdome_kernel::sampling::Stream;
-use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket, Verdict};
+use halfdome_kernel::{self as kernel, HitPacket, Ray, RayPacket};
 
 use super::hit::{MIDDLE, time_of};
 use super::{Hit, World};
@@ -21,22 +22,26 @@ impl World {
 
     /// The same, at a time for each ray; without times in the middle.
     pub(crate) fn intersect_many_at(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
-        let tree = self.tree();
         for (rays, hits) in rays.chunks(CHUNK).zip(hits.chunks_mut(CHUNK)) {
             let mut found = [kernel::Hit::MISS; CHUNK];
-            tree.intersect_many(rays, &mut found[..rays.len()]);
-            for (hit, found) in hits.iter_mut().zip(&found) {
+            let found = &mut found[..rays.len()];
+            if self.has_holes {
+                self.intersect_tree_beyond_holes(rays, found);
+            } else {
+                self.tree().intersect_many(rays, found);
+            }
+            for (hit, found) in hits.iter_mut().zip(found) {
                 *hit = Hit::of(found);
             }
         }
-        self.pass_on(rays, times, hits);
+        self.pass_on(rays, times, hits, self.instances.is_some());
     }
 
     /// The nearest hit of one ray at a time. It passes through holes.
     pub(super) fn intersect_at(&self, ray: &Ray, time: f32) -> Hit {
         let mut hits = [self.tree().intersect(ray).as_ref().map_or(Hit::MISS, Hit::of)];
         let times = [time];
-        self.pass_on(&[*ray], if self.motion.is_some() { &times } else { &[] }, &mut hits);
+        self.pass_on(&[*ray], if self.motion.is_some() { &times } else { &[] }, &mut hits, true);
         hits[0]
     }
 
@@ -52,20 +57,17 @@ impl World {
                 *hit = Hit::of(&found.hit(lane));
             }
         }
-        self.pass_on(rays, times, hits);
+        self.pass_on(rays, times, hits, true);
     }
 
-    /// Finds nearer hits with instances, and takes rays that hit a hole further.
-    fn pass_on(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit]) {
+    /// Finds nearer hits with instances, and takes rays that hit a hole further, if any may have.
+    fn pass_on(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit], may_hit_holes: bool) {
         if let Some(instances) = &self.instances {
             instances.intersect_nearer(rays, times, hits);
         }
-        if self.has_holes {
-            for (i, (ray, hit)) in
-                rays.iter().zip(&mut *hits).enumerate().filter(|(_, (ray, hit))| self.is_hole(ray, hit))
-            {
-                *hit = self.intersect_beyond_holes(ray, time_of(times, i));
-            }
+        if self.has_holes && may_hit_holes {
+            let in_holes: Vec<usize> = (0..rays.len()).filter(|&i| self.is_hole(&rays[i], &hits[i])).collect();
+            self.pass_through_holes(rays, times, hits, &in_holes);
         }
         if self.motion.is_some() {
             for (i, hit) in hits.iter_mut().enumerate() {
@@ -74,14 +76,27 @@ impl World {
         }
     }
 
-    /// The nearest hit of a ray that is in no hole.
-    fn intersect_beyond_holes(&self, ray: &Ray, time: f32) -> Hit {
-        let hit = self.tree().intersect_filtered(ray, |hit| self.verdict(ray, hit));
-        let hit = hit.as_ref().map_or(Hit::MISS, Hit::of);
-        let Some(instances) = &self.instances else { return hit };
-        let shortened = Ray { t_max: if hit.is_hit() { hit.t } else { ray.t_max }, ..*ray };
-        let nearer = instances.intersect_filtered(&shortened, time, |hit| !self.is_hole(ray, hit));
-        nearer.filter(|nearer| nearer.t < hit.t || !hit.is_hit()).unwrap_or(hit)
+    /// Finds the nearest hits, in no hole, of the rays of these numbers.
+    fn pass_through_holes(&self, rays: &[Ray], times: &[f32], hits: &mut [Hit], numbers: &[usize]) {
+        for numbers in numbers.chunks(CHUNK) {
+            let these: Vec<Ray> = numbers.iter().map(|&number| rays[number]).collect();
+            let mut found = [kernel::Hit::MISS; CHUNK];
+            self.intersect_tree_beyond_holes(&these, &mut found[..these.len()]);
+            for (&number, found) in numbers.iter().zip(&found) {
+                let (ray, hit) = (&rays[number], Hit::of(found));
+                let nearer = self.instances.as_ref().and_then(|instances| {
+                    let shortened = Ray { t_max: if hit.is_hit() { hit.t } else { ray.t_max }, ..*ray };
+                    let time = time_of(times, number);
+                    instances.intersect_filtered(&shortened, time, |hit| !self.is_hole(ray, hit))
+                });
+                hits[number] = nearer.filter(|nearer| nearer.t < hit.t || !hit.is_hit()).unwrap_or(hit);
+            }
+        }
+    }
+
+    /// The nearest hits with what is no instance, in no hole.
+    fn intersect_tree_beyond_holes(&self, rays: &[Ray], hits: &mut [kernel::Hit]) {
+        self.tree().intersect_many_filtered(rays, hits, |ray, hit| !self.is_hole(&rays[ray], &Hit::of(hit)));
     }
 
     /// Whether each ray hits anything in the middle of the shutter's time. Rays pass through holes.
@@ -92,18 +107,24 @@ impl World {
     /// The same, at a time for each ray; without times in the middle.
     pub(crate) fn occluded_many_at(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
         self.ray_counters.add_occlusion(rays.len());
-        let tree = self.tree();
-        tree.occluded_many(rays, occluded);
+        if self.has_holes {
+            return self.occlude_beyond_holes(rays, times, occluded);
+        }
+        self.tree().occluded_many(rays, occluded);
         if let Some(instances) = &self.instances {
             instances.occlude(rays, times, occluded);
         }
-        if self.has_holes {
-            for (i, (ray, occluded)) in rays.iter().zip(occluded).enumerate().filter(|(_, (_, occluded))| **occluded) {
-                let is_solid = |hit: &Hit| !self.is_hole(ray, hit);
-                let by_instance =
-                    || self.instances.as_ref().is_some_and(|it| it.occluded_filtered(ray, time_of(times, i), is_solid));
-                *occluded = tree.occluded_filtered(ray, |hit| self.verdict(ray, hit)) || by_instance();
-            }
+    }
+
+    fn occlude_beyond_holes(&self, rays: &[Ray], times: &[f32], occluded: &mut [bool]) {
+        let tree = self.tree();
+        tree.occluded_many_filtered(rays, occluded, |ray, hit| !self.is_hole(&rays[ray], &Hit::of(hit)));
+        let Some(instances) = &self.instances else { return };
+        let by_tree = occluded.to_vec();
+        instances.occlude(rays, times, occluded);
+        for (i, ray) in rays.iter().enumerate().filter(|(i, _)| !by_tree[*i]) {
+            occluded[i] =
+                occluded[i] && instances.occluded_filtered(ray, time_of(times, i), |hit| !self.is_hole(ray, hit));
         }
     }
 
@@ -124,23 +145,28 @@ impl World {
         (prim_id - self.first_faces[self.triangle_records[prim_id as usize].mesh as usize]) as usize
     }
 
-    fn verdict(&self, ray: &Ray, hit: &kernel::Hit) -> Verdict {
-        if self.is_hole(ray, &Hit::of(hit)) { Verdict::Reject } else { Verdict::Accept }
-    }
-
     /// Whether there is a hole in the triangle where this ray hits it. A partly opaque surface lets a part of the rays
     /// pass, chosen by a hash of ray and triangle, so that all queries agree.
     #[inline(always)]
     pub(crate) fn is_hole(&self, ray: &Ray, hit: &Hit) -> bool {
-        self.has_holes && hit.is_hit() && self.opacity(hit.prim_id, [hit.u, hit.v]) <= chance(ray, hit)
+        if !self.has_holes || !hit.is_hit() {
+            return false;
+        }
+        let opacity = self.opacity(hit.prim_id, [hit.u, hit.v]);
+        opacity < 1.0 && (opacity <= 0.0 || opacity <= chance(ray, hit))
     }
 
     /// The opacity of a triangle at a point, 0 to 1.
     pub(crate) fn opacity(&self, prim_id: u32, [u, v]: [f32; 2]) -> f32 {
-        let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        if !self.has_holes || !(material.has_holes() || material.uses_vertex_colors) {
+        if !self.has_holes {
             return 1.0;
         }
+        self.opacity_micromaps.at(prim_id, Vec2::new(u, v)).unwrap_or_else(|| self.looked_up_opacity(prim_id, [u, v]))
+    }
+
+    #[inline(never)]
+    pub(super) fn looked_up_opacity(&self, prim_id: u32, [u, v]: [f32; 2]) -> f32 {
+        let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
         material.opacity_at(&self.mesh_point(prim_id, [1.0 - u - v, u, v]))
     }
 }
@@ -156,7 +182,7 @@ pub(crate) fn chance(ray: &Ray, hit: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Vec2, Vec3};
+    use glam::Vec3;
 
     use super::*;
     use crate::scene::{

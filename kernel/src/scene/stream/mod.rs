@@ -27,7 +27,7 @@ use crate::simd::{Lanes, Simd, Work, dispatch};
 use crate::traverse::single::moving::{block_between, node_between};
 #[cfg(doc)]
 use crate::traverse::stream::NONE;
-use crate::traverse::stream::{ActiveRay, Next, Stream, places_of};
+use crate::traverse::stream::{ActiveRay, AllHits, Next, Stream, places_of};
 
 /// Rays that are traced at the same time: as many as fit on a stack of 32 KiB.
 const ACTIVE: usize = 32;
@@ -83,9 +83,9 @@ impl<'a, A: Answers> SceneStream<'a, A> {
             crowded |= self.visit_moving_nodes::<S>(nodes & moving);
             self.finish(crowded);
             if A::ANY {
-                self.stream.visit_leaves::<true, S>(leaves & inside & !moving, &self.trees);
+                self.stream.visit_leaves::<true, S>(leaves & inside & !moving, &self.trees, &mut AllHits);
             } else {
-                self.stream.visit_leaves::<false, S>(leaves & inside & !moving, &self.trees);
+                self.stream.visit_leaves::<false, S>(leaves & inside & !moving, &self.trees, &mut AllHits);
             }
             self.visit_moving_leaves::<S>(leaves & inside & moving);
             self.leave::<S>(ended & inside);

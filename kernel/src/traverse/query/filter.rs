@@ -1,5 +1,5 @@
 //! Searches with a filter that decides which hits count: for cut-out leaves, the triangle that a ray leaves,
-//! selections.
+//! selections. Of one ray, or of many as a stream.
 //!
 //! A search never passes a triangle to its filter twice, as every triangle is in one leaf. [`Verdict`] and the two
 //! searches define which hits it passes, and in which order.
@@ -8,7 +8,10 @@ use core::ops::ControlFlow;
 
 use crate::bvh::BvhView;
 use crate::geometry::{Hit, Ray};
+use crate::simd::{Level, Simd, Work, dispatch};
 use crate::traverse::collector::Collector;
+use crate::traverse::stream::{self, HitFilter};
+use crate::traverse::{write_hits, write_occluded};
 
 /// A filter's decision about a hit.
 ///
@@ -48,6 +51,83 @@ impl BvhView<'_> {
             Verdict::Accept | Verdict::Stop => Verdict::Stop,
         };
         self.intersect_filtered(ray, stop).is_some()
+    }
+}
+
+impl BvhView<'_> {
+    /// Writes the nearest hit of each ray that `accepts` takes, or [`Hit::MISS`]: the result of
+    /// [`intersect_filtered`](Self::intersect_filtered) for each, traced as a stream. Elements beyond the end of the shorter
+    /// slice are left unchanged.
+    ///
+    /// The filter sees a ray's index and a hit, in any order, perhaps twice, and must decide by these alone.
+    pub fn intersect_many_filtered(&self, rays: &[Ray], hits: &mut [Hit], accepts: impl FnMut(usize, &Hit) -> bool) {
+        let rays = &rays[..rays.len().min(hits.len())];
+        self.trace_filtered::<false>(rays, By(accepts), write_hits(hits));
+    }
+
+    /// Writes for each ray whether it has a hit that `accepts` takes, likewise: the result of
+    /// [`occluded_filtered`](Self::occluded_filtered).
+    pub fn occluded_many_filtered(
+        &self,
+        rays: &[Ray],
+        occluded: &mut [bool],
+        accepts: impl FnMut(usize, &Hit) -> bool,
+    ) {
+        let rays = &rays[..rays.len().min(occluded.len())];
+        self.trace_filtered::<true>(rays, By(accepts), write_occluded(occluded));
+    }
+
+    fn trace_filtered<const ANY: bool>(
+        &self,
+        rays: &[Ray],
+        mut filter: impl HitFilter,
+        mut write: impl FnMut(usize, Hit),
+    ) {
+        let is_few = cfg!(target_os = "none") || rays.len() < stream::MIN_STREAM_RAYS;
+        if is_few || self.isa().level() == Level::Scalar {
+            for (index, ray) in rays.iter().enumerate() {
+                write(index, filter.finish(self, (index, ray), Hit::none_before(ray.t_max), ANY).or_miss());
+            }
+        } else {
+            dispatch(self.isa(), FilteredStream::<ANY, _, _> { tree: self, rays, filter, write });
+        }
+    }
+}
+
+struct FilteredStream<'a, const ANY: bool, F, W> {
+    tree: &'a BvhView<'a>,
+    rays: &'a [Ray],
+    filter: F,
+    write: W,
+}
+
+impl<const ANY: bool, F: HitFilter, W: FnMut(usize, Hit)> Work for FilteredStream<'_, ANY, F, W> {
+    type Output = ();
+    #[inline(always)]
+    fn run<S: Simd>(self) {
+        stream::trace_filtered::<ANY, S>(self.tree, self.rays, self.filter, self.write);
+    }
+}
+
+/// A filter by a function.
+struct By<F>(F);
+
+impl<F: FnMut(usize, &Hit) -> bool> HitFilter for By<F> {
+    const DECIDES: bool = true;
+
+    #[inline(always)]
+    fn accepts(&mut self, ray: usize, hit: &Hit) -> bool {
+        (self.0)(ray, hit)
+    }
+
+    fn finish(&mut self, tree: &BvhView, (index, ray): (usize, &Ray), best: Hit, any: bool) -> Hit {
+        let accepted = if any { Verdict::Stop } else { Verdict::Accept };
+        let filter = |hit: &Hit| if (self.0)(index, hit) { accepted } else { Verdict::Reject };
+        let mut nearest = Filtered { best, filter };
+        if !(any && best.is_hit()) {
+            tree.collect(ray, &mut nearest);
+        }
+        nearest.best
     }
 }
 
@@ -117,6 +197,57 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    #[test]
+    fn streams_find_what_single_rays_find() {
+        let mut random = Random(25);
+        for (count, size) in [(1, 1.0), (9, 0.7), (80, 0.6), (2000, 0.3)] {
+            let triangles = soup(&mut random, count, size);
+            let (bvh, _) = Bvh::build(&triangles, &Quality::High.into()).unwrap();
+            for number in [0, 7, 24, 200, 500] {
+                let rays: Vec<_> = rays_at(&triangles, &mut random, number).into_iter().take(number).collect();
+                let rays = &rays[..];
+                // Each ray has verdicts of its own.
+                let accepts =
+                    |ray: usize, hit: &Hit| !(ray as u32 ^ hit.prim_id ^ hit.u.to_bits() >> 9).is_multiple_of(3);
+                let alone = |index: usize| {
+                    let verdict = |hit: &Hit| if accepts(index, hit) { Verdict::Accept } else { Verdict::Reject };
+                    bvh.view().intersect_filtered(&rays[index], verdict).unwrap_or(Hit::MISS)
+                };
+                let expected: Vec<Hit> = (0..rays.len()).map(alone).collect();
+                for isa in isas() {
+                    let tree = bvh.view().with_isa(isa);
+                    let (mut hits, mut occluded) = (alloc::vec![Hit::MISS; rays.len()], alloc::vec![true; rays.len()]);
+                    tree.intersect_many_filtered(rays, &mut hits, accepts);
+                    assert_eq!(hits, expected, "{isa:?}, {count} triangles, {number} rays");
+                    tree.occluded_many_filtered(rays, &mut occluded, accepts);
+                    assert!(occluded.iter().eq(expected.iter().map(Hit::is_hit).collect::<Vec<_>>().iter()), "{isa:?}");
+                }
+            }
+        }
+    }
+
+    /// In a stack of sheets that all rays cross, streams have no room for some, and the filter is asked for all.
+    #[test]
+    fn streams_pass_through_all_that_is_rejected() {
+        let sheet =
+            |z: u16| [[0.0, 0.0], [9.0, 0.0], [0.0, 9.0]].map(|[x, y]: [f32; 2]| glam::Vec3::new(x, y, f32::from(z)));
+        let triangles: Vec<Triangle> = (0..400).map(sheet).collect();
+        let (bvh, _) = Bvh::build(&triangles, &Quality::Fast.into()).unwrap();
+        let from = |i: u16| glam::Vec3::new(0.01 * f32::from(i), 1.0, -1.0);
+        let rays: Vec<Ray> = (0..100).map(|i| Ray::new(from(i), glam::Vec3::Z)).collect();
+        let last = |ray: usize, hit: &Hit| hit.prim_id as usize >= 300 + ray % 100;
+        for isa in isas() {
+            let (mut hits, mut occluded) = ([Hit::MISS; 100], [false; 100]);
+            let tree = bvh.view().with_isa(isa);
+            tree.intersect_many_filtered(&rays, &mut hits, last);
+            assert!((300..).zip(&hits).all(|(prim_id, hit)| hit.prim_id == prim_id), "{isa:?}");
+            tree.occluded_many_filtered(&rays, &mut occluded, last);
+            assert_eq!(occluded, [true; 100], "{isa:?}");
+            tree.occluded_many_filtered(&rays, &mut occluded, |_, _| false);
+            assert_eq!(occluded, [false; 100], "{isa:?}");
         }
     }
 

@@ -1,8 +1,8 @@
 //! Triangles that rays of a stream may hit: collected from all of them, and tested eight at a time, each lane with a
 //! ray of its own.
 
-use super::Trees;
 use super::active::ActiveRay;
+use super::{HitFilter, Trees};
 use crate::bvh::{TriangleBlock, WIDTH};
 use crate::geometry::Hit;
 use crate::geometry::triangle::{self, LineLanes};
@@ -56,12 +56,13 @@ impl Candidates {
         }
     }
 
-    /// Tests all candidates, reports the hits to their rays, and clears the list.
+    /// Tests all candidates, reports those hits to their rays that the filter accepts, and clears the list.
     #[inline(always)]
     pub(super) fn test<const ANY: bool, const N: usize, S: Simd>(
         &mut self,
         trees: &impl Trees,
         active: &mut [ActiveRay; N],
+        filter: &mut impl HitFilter,
     ) {
         let mut first = 0;
         while first < self.len {
@@ -72,7 +73,7 @@ impl Candidates {
             for k in self.len - first..WIDTH {
                 (codes[k % WIDTH], rays[k % WIDTH]) = (codes[0], rays[0]);
             }
-            test_eight::<ANY, N, S>(trees, codes, rays, active);
+            test_eight::<ANY, N, S, _>(trees, codes, rays, active, filter);
             first += WIDTH;
         }
         self.len = 0;
@@ -139,11 +140,12 @@ fn corner<S: Simd>(triangles: &[Seen; WIDTH], corner: usize) -> [S::F8; 3] {
 
 /// Tests eight candidates.
 #[inline(always)]
-fn test_eight<const ANY: bool, const N: usize, S: Simd>(
+fn test_eight<const ANY: bool, const N: usize, S: Simd, F: HitFilter>(
     trees: &impl Trees,
     codes: &[u32; WIDTH],
     rays: &[u8; WIDTH],
     active: &mut [ActiveRay; N],
+    filter: &mut F,
 ) {
     let places = rays.map(|ray_index| usize::from(ray_index) % N);
     let rays = places.map(|place| &active[place]);
@@ -156,7 +158,7 @@ fn test_eight<const ANY: bool, const N: usize, S: Simd>(
     let [t_min, t_max] = [S::F8::load(&rays.map(|ray| ray.t_min())), S::F8::load(&rays.map(|ray| ray.best.t))];
     let lines = LineLanes::new(S::transpose(rows));
     let corners = [corner::<S>(&triangles, 0), corner::<S>(&triangles, 1), corner::<S>(&triangles, 2)];
-    if ANY {
+    if ANY && !F::DECIDES {
         for lane in lanes_of(triangle::occludes(&lines, corners, [t_min, t_max])) {
             active[places[lane % WIDTH]].end_with_any();
         }
@@ -173,6 +175,18 @@ fn test_eight<const ANY: bool, const N: usize, S: Simd>(
         let blocks = trees.blocks(places[lane]);
         let block = blocks.get(codes[lane] as usize / WIDTH).unwrap_or(&TriangleBlock::EMPTY);
         let prim_id = block.prim_id[codes[lane] as usize % WIDTH];
-        active[places[lane]].accept::<S>(Hit { t: t[lane], u: u[lane], v: v[lane], prim_id });
+        let (ray, hit) = (&mut active[places[lane]], Hit { t: t[lane], u: u[lane], v: v[lane], prim_id });
+        if F::DECIDES {
+            // Any hit ends the search of a ray, but not what it has collected before.
+            let counts = !(ANY && ray.best.is_hit()) && hit.precedes(&ray.best);
+            if !counts || !filter.accepts(ray.index, &hit) {
+                continue;
+            }
+        }
+        if ANY {
+            ray.end_with_any();
+        } else {
+            ray.accept::<S>(hit);
+        }
     }
 }

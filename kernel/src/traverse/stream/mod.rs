@@ -53,9 +53,49 @@ impl Trees for BvhView<'_> {
     }
 }
 
+/// Decides which hits of the rays of a stream count.
+pub(crate) trait HitFilter {
+    /// Whether there is anything to decide.
+    const DECIDES: bool;
+
+    /// Whether a hit of the ray of an index counts. It sees those hits that precede the nearest one accepted so far.
+    fn accepts(&mut self, ray: usize, hit: &Hit) -> bool;
+
+    /// Finishes the search of the ray of an index, of which `best` has been found so far, from the root.
+    fn finish(&mut self, tree: &BvhView, ray: (usize, &Ray), best: Hit, any: bool) -> Hit;
+}
+
+/// All hits count.
+pub(crate) struct AllHits;
+
+impl HitFilter for AllHits {
+    const DECIDES: bool = false;
+
+    #[inline(always)]
+    fn accepts(&mut self, _: usize, _: &Hit) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn finish(&mut self, tree: &BvhView, (_, ray): (usize, &Ray), best: Hit, any: bool) -> Hit {
+        single::finish(tree, ray, best, any)
+    }
+}
+
 /// Gives `write` the index of each ray and its nearest hit, or with `ANY` one that stands for any, in any order.
 #[inline(always)]
-pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut write: impl FnMut(usize, Hit)) {
+pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], write: impl FnMut(usize, Hit)) {
+    trace_filtered::<ANY, S>(tree, rays, AllHits, write);
+}
+
+/// The same, of the hits that a filter accepts.
+#[inline(always)]
+pub(super) fn trace_filtered<const ANY: bool, S: Simd>(
+    tree: &BvhView,
+    rays: &[Ray],
+    mut filter: impl HitFilter,
+    mut write: impl FnMut(usize, Hit),
+) {
     let mut stream = Stream::<MAX_ACTIVE>::EMPTY;
     let root = tree.nodes().first().unwrap_or(&Node::EMPTY);
     loop {
@@ -68,14 +108,14 @@ pub(super) fn trace<const ANY: bool, S: Simd>(tree: &BvhView, rays: &[Ray], mut 
             return;
         }
         let crowded = stream.visit_nodes::<S>(nodes, tree);
-        stream.visit_leaves::<ANY, S>(leaves, tree);
+        stream.visit_leaves::<ANY, S>(leaves, tree, &mut filter);
         for place in places_of(ended) {
             write(stream.active[place].index, stream.active[place].best.or_miss());
         }
         for place in places_of(crowded) {
             let ray = &stream.active[place];
             if let Some(original) = rays.get(ray.index) {
-                write(ray.index, single::finish(tree, original, ray.best, ANY).or_miss());
+                write(ray.index, filter.finish(tree, (ray.index, original), ray.best, ANY).or_miss());
             }
         }
         stream.busy &= !(ended | crowded);
@@ -204,16 +244,21 @@ impl<const N: usize> Stream<N> {
 
     /// Visits the first blocks of the leaves that the rays at `visitors` visit next.
     #[inline(always)]
-    pub(crate) fn visit_leaves<const ANY: bool, S: Simd>(&mut self, visitors: u64, trees: &impl Trees) {
+    pub(crate) fn visit_leaves<const ANY: bool, S: Simd>(
+        &mut self,
+        visitors: u64,
+        trees: &impl Trees,
+        filter: &mut impl HitFilter,
+    ) {
         for i in places_of(visitors) {
             let i = i % N;
             if self.candidates.is_full() {
-                self.candidates.test::<ANY, N, S>(trees, &mut self.active);
+                self.candidates.test::<ANY, N, S>(trees, &mut self.active, filter);
             }
             let block = Child::first_block(self.next[i]);
             self.candidates.collect::<S>(&self.active[i], i as u8, block, trees.blocks(i));
         }
-        self.candidates.test::<ANY, N, S>(trees, &mut self.active);
+        self.candidates.test::<ANY, N, S>(trees, &mut self.active, filter);
         for i in places_of(visitors) {
             let i = i % N;
             let next = self.active[i].after_block::<ANY>(self.next[i]);

@@ -162,12 +162,28 @@ impl Opacity {
     /// The opacity for a texel and a vertex colour's alpha, 0 to 1; 0 or 1 of a mask.
     #[inline]
     pub(crate) fn at(&self, texel: Vec4, alpha: f32) -> f32 {
-        let mapped = self.map.as_ref().map_or(1.0, |(_, channel)| channel.of(texel).x);
-        let opacity = (self.value * mapped * alpha).clamp(0.0, 1.0);
+        let opacity = self.before_cutoff(texel, alpha);
         match self.cutoff {
             Some(cutoff) if opacity < cutoff => 0.0,
             Some(_) => 1.0,
             None => opacity,
+        }
+    }
+
+    #[inline]
+    fn before_cutoff(&self, texel: Vec4, alpha: f32) -> f32 {
+        let mapped = self.map.as_ref().map_or(1.0, |(_, channel)| channel.of(texel).x);
+        (self.value * mapped * alpha).clamp(0.0, 1.0)
+    }
+
+    /// Whether mixtures of this texel and others that give the same opacity may give another than 0, or than 1.
+    pub(crate) fn may_differ(&self, texel: Vec4) -> [bool; 2] {
+        // More than mixing rounds.
+        const ROUNDING: f32 = 1e-5;
+        let opacity = self.before_cutoff(texel, 1.0);
+        match self.cutoff {
+            Some(cutoff) => [opacity >= cutoff - ROUNDING, opacity < cutoff + ROUNDING],
+            None => [opacity > 0.0, opacity < 1.0],
         }
     }
 

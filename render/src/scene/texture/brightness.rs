@@ -1,10 +1,10 @@
-//! How bright a texture is within triangles: a table of sums over all rectangles that begin at its corner (Crow 1984,
-//! "Summed-area tables for texture mapping").
+//! How bright, or how opaque, a texture is within triangles: a table of sums over all rectangles that begin at its corner
+//! (Crow 1984, "Summed-area tables for texture mapping").
 //!
 //! Deviations: a triangle counts as the rectangle around it, rounded up to blocks of texels. Sums are integers, so that a
 //! rectangle is black only if all its texels are, and they do not depend on threads.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
 use super::{Texture, TextureMap, Wrap};
@@ -29,8 +29,8 @@ pub(crate) struct BrightnessTable {
 }
 
 impl Texture {
-    /// The table of this function of its colours, which must not be negative. Numbers below 0 count as 0.
-    pub(crate) fn brightness(&self, map: &TextureMap, of: impl Fn(Vec3) -> f32 + Sync) -> BrightnessTable {
+    /// The table of this function of its texels, which must not be negative. Numbers below 0 count as 0.
+    pub(crate) fn brightness(&self, map: &TextureMap, of: impl Fn(Vec4) -> f32 + Sync) -> BrightnessTable {
         let size = [self.width, self.height];
         let block = self.width.max(self.height).div_ceil(MAX_BLOCKS);
         let blocks = size.map(|size| size.div_ceil(block) as usize);
@@ -39,8 +39,8 @@ impl Texture {
             let (columns, rows) = (texels(number % blocks[0], size[0]), texels(number / blocks[0], size[1]));
             let count = f64::from(columns.end - columns.start) * f64::from(rows.end - rows.start);
             let indices = rows.flat_map(|y| columns.clone().map(move |x| (y * size[0] + x) as usize));
-            let color = |index| self.fetch(map.space, index).truncate().max(Vec3::ZERO);
-            indices.map(|index| f64::from(of(color(index)))).sum::<f64>() / count
+            let texel = |index| self.fetch(map.space, index).max(Vec4::ZERO);
+            indices.map(|index| f64::from(of(texel(index)))).sum::<f64>() / count
         };
         let means: Vec<f64> = (0..blocks[0] * blocks[1]).into_par_iter().map(mean).collect();
         let unit = means.iter().copied().fold(f64::MIN_POSITIVE, f64::max) / BRIGHTEST;
@@ -64,11 +64,26 @@ impl BrightnessTable {
 
     /// The mean about a triangle with these texture coordinates; 0 only if all is black there.
     pub(crate) fn mean(&self, map: &TextureMap, corners: &[Vec2; 3]) -> f32 {
-        let [a, b, c] = corners.map(|corner| self.place(map, corner));
-        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
-        // With all texels that are mixed, and some more; most of the light is from those in between.
-        let wide = self.mean_of(map, low - 1.0, high + 1.0);
+        let (low, high) = self.rectangle(map, corners);
+        // Most of the light is from the texels in between.
+        let wide = self.widened_mean(map, (low, high));
         if wide == 0.0 { 0.0 } else { 0.5 * (wide + self.mean_of(map, low, high)) }
+    }
+
+    /// Whether all is black about a triangle with these texture coordinates.
+    pub(crate) fn is_black(&self, map: &TextureMap, corners: &[Vec2; 3]) -> bool {
+        self.widened_mean(map, self.rectangle(map, corners)) == 0.0
+    }
+
+    /// The rectangle around a triangle, in texels.
+    fn rectangle(&self, map: &TextureMap, corners: &[Vec2; 3]) -> (Vec2, Vec2) {
+        let [a, b, c] = corners.map(|corner| self.place(map, corner));
+        (a.min(b).min(c), a.max(b).max(c))
+    }
+
+    /// The mean of a rectangle with all texels that are mixed in it, and some more.
+    fn widened_mean(&self, map: &TextureMap, (low, high): (Vec2, Vec2)) -> f32 {
+        self.mean_of(map, low - 1.0, high + 1.0)
     }
 
     /// The mean of the blocks with a rectangle's texels.
@@ -184,6 +199,7 @@ mod tests {
                         let mean = table.mean(&map, &[corner, corner + edge, corner]);
                         let texel = texture.sample(&map, corner + number(1) * edge).x;
                         assert!(mean > 0.0 || texel == 0.0, "{width} {wrap:?} {filter:?} {corner}");
+                        assert_eq!(table.is_black(&map, &[corner, corner + edge, corner]), mean == 0.0);
                         black += u32::from(mean == 0.0);
                         found += u32::from(texel > 0.0);
                     }
