@@ -39,6 +39,7 @@ pub(crate) use ray_counts::RayCounts;
 use specular::Specular;
 pub(crate) use specular::{Between, LightEnd, LightInMirrors, Pane, SpecularConnection, Start, Starts};
 use surface::closures::ClosureCell;
+pub(crate) use surface::inputs::InputChange;
 pub(crate) use surface::shading_records::{EmitterRecord, MaterialRecord, TriangleRecord};
 use surface::shadow_terminator::Convexity;
 pub(crate) use surface::shadow_terminator::TerminatorOffset;

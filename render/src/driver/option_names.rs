@@ -39,12 +39,13 @@ pub(super) fn of_integrator(integrator: &Integrator) -> Named {
     }
 }
 
-fn of_path(PathOptions { max_depth, lights, stop, clamp_indirect, guide }: &PathOptions) -> Named {
+fn of_path(PathOptions { max_depth, lights, stop, clamp_indirect, filter_glossy, guide }: &PathOptions) -> Named {
     let mut named = vec![
         option("max-depth", max_depth),
         option("lights", lights.name()),
         option("stop", stop.name()),
         option("clamp-indirect", or(*clamp_indirect, "off")),
+        option("filter-glossy", filter_glossy),
         option("guide", or(*guide, "off")),
     ];
     match stop {
@@ -131,6 +132,7 @@ mod tests {
             PathOptions { max_depth: 3, ..path.clone() },
             PathOptions { lights: LightSampling::Naive, ..path.clone() },
             PathOptions { clamp_indirect: Some(2.0), ..path.clone() },
+            PathOptions { filter_glossy: 0.5, ..path.clone() },
             PathOptions { guide: Some(4096), ..path.clone() },
             PathOptions { stop: Stop::Depth, ..path.clone() },
             PathOptions { stop: Stop::Threshold { cutoff: 0.1, add_back: true }, ..path.clone() },

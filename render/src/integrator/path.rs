@@ -9,7 +9,8 @@
 //! all reflectances falls below a threshold, with or without the scene's mean radiance in place of the lost light, or
 //! by Russian roulette, where a path that survives with the probability `p` counts for `1/p`.
 //!
-//! `clamp_indirect` scales down contributions of lights after two reflections and more.
+//! `clamp_indirect` scales down contributions of lights after two reflections and more. `filter_glossy` makes gloss rougher that
+//! paths meet after a wide lobe.
 //!
 //! A step works on a block of paths: it looks up their hits, computes light samples and bounces in lanes (see
 //! [`path_block`](super::path_block)), and compacts the continuing paths. Emission, textures, glass, layers, the sky

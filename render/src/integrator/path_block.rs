@@ -26,7 +26,7 @@ use halfdome_kernel::sampling::SampleId;
 use super::state::{Path, survive};
 use crate::scene::Material;
 use crate::settings::Survival;
-use crate::world::{Boundary, Hit, Surface, TerminatorOffset, World, interpolate};
+use crate::world::{Boundary, Hit, InputChange, Surface, TerminatorOffset, World, interpolate};
 
 pub(super) use bounce::Bounces;
 pub(super) use closures::{BlockClosures, Closures, Lambert};
@@ -200,7 +200,7 @@ impl PathBlock {
             barycentric: [0.0; 2],
             time: self.time[i],
             rounding: TerminatorOffset::FLAT,
-            dispersed: 0.0,
+            change: InputChange::NONE,
             is_back: false,
             transmits: self.transmits[i] != 0,
             material: matte,

@@ -65,6 +65,12 @@ impl Path {
         self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
     }
 
+    /// Whether it has been spread by a wide lobe: in its last bounce, or before a mirror or clear glass.
+    #[inline(always)]
+    pub(super) fn is_spread(&self) -> bool {
+        !self.is_first() && (self.density == f32::INFINITY || !Self::is_narrow(self.density))
+    }
+
     /// Whether a bounce of this density is about one direction.
     #[inline(always)]
     pub(super) fn is_narrow(density: f32) -> bool {

@@ -41,6 +41,9 @@ pub struct PathOptions {
     /// The greatest radiance, in any channel, that a single light adds to a path after two reflections and more; what
     /// is brighter is scaled down. More than 0. It removes fireflies, and light.
     pub clamp_indirect: Option<f32>,
+    /// The least roughness, 0 to 1, of gloss that a path meets after it has been spread by a wide lobe, such as diffuse
+    /// reflection. It removes fireflies, and blurs caustics. Mirrors and clear glass stay.
+    pub filter_glossy: f32,
     /// Path guiding: the number of paths, 1024 to 8,388,608, for training before the picture; `None` to sample closures
     /// alone. It pays where light enters through a narrow opening; the picture's mean does not depend on it.
     pub guide: Option<u32>,
@@ -252,6 +255,10 @@ impl PathOptions {
                 "guided paths cannot end by a threshold: it would end those that go where most light is",
                 "leave out `guide`, or choose the stop `roulette` or `depth`",
             )),
+            _ if !(0.0..=1.0).contains(&self.filter_glossy) => Err(Invalid::new(
+                format!("the least roughness of gloss, {}, is not from 0 to 1", self.filter_glossy),
+                "give `filter_glossy` a number from 0 to 1",
+            )),
             _ => Ok(()),
         }
     }
@@ -259,7 +266,14 @@ impl PathOptions {
 
 impl Default for PathOptions {
     fn default() -> Self {
-        Self { max_depth: 1024, lights: LightSampling::Mis, stop: Stop::default(), clamp_indirect: None, guide: None }
+        Self {
+            max_depth: 1024,
+            lights: LightSampling::Mis,
+            stop: Stop::default(),
+            clamp_indirect: None,
+            filter_glossy: 0.0,
+            guide: None,
+        }
     }
 }
 

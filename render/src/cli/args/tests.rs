@@ -37,7 +37,7 @@ fn every_override_can_be_given() {
                      --blades 7 --blade-rotation -10 --anamorphic 2 --mm-per-unit 10 --ortho-height 3 --ortho-width 4 \
                      --ipd 64 --fisheye equisolid --fov 360 --near 0 --far 100 --model-clip --model-camera Top --camera-rays a.csv --width 10 --height 20 --filter tent \
                      --filter-width 2 --sharpness .5 --integrator direct --spp 7 --max-depth 3 \
-                     --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 --clamp-indirect 8 --guide=false \
+                     --sampler random --lights direct --stop depth --cutoff .5 --add-back --roulette-after 0 --clamp-indirect 8 --filter-glossy .7 --guide=false \
                      --survival throughput --bounces 0 --rays 1 --sampling cosine --ao-weighting misses \
                      --ao-distance 3 --cache-error .25 --gradients off --metric bounded --layout hemicube \
                      --record-rays 300 --cache-bounces 4 \
@@ -88,6 +88,7 @@ fn every_override_can_be_given() {
             roulette_after: Some(0),
             survival: Some(Survival::THROUGHPUT),
             clamp_indirect: Some(8.0),
+            filter_glossy: Some(0.7),
             guide: Some(0),
             bounces: Some(0),
             rays: Some(1),

@@ -39,7 +39,7 @@ impl Advance<'_, '_> {
         let mut kept = Vec3::ZERO;
         kept[channel] = probability.recip();
         block.dim(i, kept);
-        surface.dispersed = index_shift(material.inputs.specular_ior, material.dispersion, wavelength(channel, place));
+        surface.change.ior = index_shift(material.inputs.specular_ior, material.dispersion, wavelength(channel, place));
     }
 }
 

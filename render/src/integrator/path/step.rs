@@ -107,6 +107,9 @@ impl Advance<'_, '_> {
         if facing.material.dispersion > 0.0 {
             self.disperse(block, i, &mut facing);
         }
+        if path.is_spread() {
+            facing.change.least_roughness = self.options.filter_glossy;
+        }
         // Directions of paths are unit vectors.
         let albedo = closures.arrive(world, &mut facing);
         block.set(i, &facing, albedo);

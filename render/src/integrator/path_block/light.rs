@@ -13,7 +13,7 @@ use crate::light::few::{self, FEW};
 use crate::light::{LightChoice, Receiver, SampledLight, SkyPart, TriangleLight};
 use crate::scene::Material;
 use crate::settings::LightSampling;
-use crate::world::{MIDDLE, Surface, TerminatorOffset, World, interpolate};
+use crate::world::{InputChange, MIDDLE, Surface, TerminatorOffset, World, interpolate};
 
 /// The light chosen for each path of a block, with numbers that say where on each.
 #[derive(Clone, Copy, Pod, Zeroable)]
@@ -85,7 +85,7 @@ impl LightSamples {
             barycentric: [0.0; 2],
             time: MIDDLE,
             rounding: TerminatorOffset::FLAT,
-            dispersed: 0.0,
+            change: InputChange::NONE,
             is_back: false,
             transmits: false,
             material: surface.material,

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 
 use crate::material::{Closure, Prepared};
 use crate::scene::{CoatNormal, Input, Material};
-use crate::world::{Surface, World};
+use crate::world::{InputChange, Surface, World};
 
 /// The closures of a material, made when the first is asked for: the tables that they need are made then.
 pub(crate) type ClosureCell = OnceLock<MaterialClosures>;
@@ -57,7 +57,7 @@ impl World {
         let material = self.triangle_records[surface.prim_id as usize].material as usize;
         let of_material = self.closures[material].get_or_init(|| MaterialClosures::new(&self.materials[material]));
         let prepared = B::of(&of_material.sides[usize::from(surface.is_back)]);
-        if surface.dispersed != 0.0 {
+        if surface.change != InputChange::NONE {
             return prepared.with_inputs(&self.inputs(surface), surface.is_back);
         }
         match of_material.varies {

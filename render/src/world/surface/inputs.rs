@@ -6,6 +6,29 @@ use crate::material::{Inputs, Kind, Shading, bent_normal};
 use crate::scene::{CoatNormal, MeshPoint};
 use crate::world::{Hit, Surface, World};
 
+/// What a path changes in the inputs of the material that it meets.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct InputChange {
+    /// The refractive index at the path's wavelength, minus the material's.
+    pub ior: f32,
+    /// The least roughness of what is rough at all.
+    pub least_roughness: f32,
+}
+
+impl InputChange {
+    pub(crate) const NONE: Self = Self { ior: 0.0, least_roughness: 0.0 };
+
+    fn apply(self, inputs: &mut Inputs) {
+        inputs.specular_ior = (inputs.specular_ior + self.ior).max(1.0);
+        for roughness in [&mut inputs.specular_roughness, &mut inputs.coat_roughness] {
+            // Mirrors and clear glass stay: their light is found in other ways.
+            if *roughness > 0.0 {
+                *roughness = roughness.max(self.least_roughness);
+            }
+        }
+    }
+}
+
 impl World {
     /// The kind of closure of a triangle's material.
     #[inline(always)]
@@ -31,7 +54,7 @@ impl World {
         let [u, v] = surface.barycentric;
         let point = self.mesh_point(surface.prim_id, [1.0 - u - v, u, v]);
         let mut inputs = surface.material.inputs_at(&point);
-        inputs.specular_ior = (inputs.specular_ior + surface.dispersed).max(1.0);
+        surface.change.apply(&mut inputs);
         if inputs.coat_weight > 0.0 && surface.material.coat_normal != CoatNormal::OfBase {
             let Surface { prim_id, instance, time, .. } = *surface;
             let turn = self.turn_at(&Hit { prim_id, instance, u, v, time, ..Hit::MISS });

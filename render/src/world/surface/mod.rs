@@ -7,7 +7,7 @@
 //! pieces and read in large ones, which is slow (failed store forwarding).
 
 pub(super) mod closures;
-mod inputs;
+pub(super) mod inputs;
 pub(super) mod shading_records;
 pub(super) mod shadow_terminator;
 
@@ -18,7 +18,7 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::{offset_distance, offset_point};
 
 use super::hit::MIDDLE;
-use super::{Convexity, Hit, TerminatorOffset, TriangleRecord, World};
+use super::{Convexity, Hit, InputChange, TerminatorOffset, TriangleRecord, World};
 use crate::light::Receiver;
 use crate::scene::{Material, MeshPoint};
 use shadow_terminator::rounded;
@@ -48,8 +48,8 @@ pub(crate) struct Surface<'w> {
     pub offset: f32,
     /// The offsets of the front and the back.
     pub rounding: TerminatorOffset,
-    /// The refractive index minus the material's, at the path's wavelength.
-    pub dispersed: f32,
+    /// What the path changes in the material's inputs.
+    pub change: InputChange,
     pub prim_id: u32,
     /// As [`Hit::instance`].
     pub instance: u32,
@@ -92,7 +92,7 @@ impl World {
             emission: Vec3::ZERO,
             offset: offset_distance(&[position, b, c], normal),
             rounding: TerminatorOffset::FLAT,
-            dispersed: 0.0,
+            change: InputChange::NONE,
             prim_id: Hit::NO_PRIM,
             instance: 0,
             barycentric: [0.0; 2],
@@ -141,7 +141,7 @@ impl World {
             emission: record.emission,
             offset: face.offset,
             rounding: TerminatorOffset::FLAT,
-            dispersed: 0.0,
+            change: InputChange::NONE,
             prim_id,
             instance: hit.instance,
             barycentric: [u, v],

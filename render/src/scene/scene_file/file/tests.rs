@@ -80,6 +80,7 @@ fn every_key_sets_its_option() {
         add_back = true
         roulette_after = 0
         clamp_indirect = 8
+        filter_glossy = 0.3
         guide = 4096
         survival = 0.8
         bounces = 2
@@ -126,6 +127,7 @@ fn every_key_sets_its_option() {
             roulette_after: Some(0),
             survival: Some(Survival::Constant(0.8)),
             clamp_indirect: Some(8.0),
+            filter_glossy: Some(0.3),
             guide: Some(4096),
             bounces: Some(2),
             rays: Some(5),

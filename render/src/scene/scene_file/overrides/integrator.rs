@@ -49,6 +49,10 @@ options! {
         /// [default: off]
         #[arg(value_name = "L", allow_hyphen_values = true)]
         clamp_indirect: f32 = value::clamp, in "render";
+        /// path, heat: least roughness of gloss behind diffuse and other wide bounces: fewer fireflies, blurred caustics
+        /// [default: 0]
+        #[arg(value_name = "R", allow_hyphen_values = true)]
+        filter_glossy: f32 = value::fraction, in "render";
         /// path: path guiding: trace N paths first to learn where light comes from; for rooms lit through a small
         /// opening [default: false; N is 524288]
         #[arg(num_args = 0..=1, require_equals = true)]
@@ -80,9 +84,9 @@ options! {
 }
 
 /// Options of paths; a stopping rule adds its own.
-const PATH: [&str; 5] = ["max_depth", "lights", "stop", "clamp_indirect", "guide"];
+const PATH: [&str; 6] = ["max_depth", "lights", "stop", "clamp_indirect", "filter_glossy", "guide"];
 /// Options of the paths whose cost is shown.
-const HEAT: [&str; 4] = ["max_depth", "lights", "stop", "clamp_indirect"];
+const HEAT: [&str; 5] = ["max_depth", "lights", "stop", "clamp_indirect", "filter_glossy"];
 
 impl IntegratorOverrides {
     /// These options, and those of `fallback` where these are not set. Options belong to their integrator, and to
@@ -138,6 +142,7 @@ impl IntegratorOverrides {
         replace(&mut path.lights, self.lights);
         replace(&mut path.stop, self.stop);
         path.clamp_indirect = self.clamp_indirect.or(path.clamp_indirect);
+        replace(&mut path.filter_glossy, self.filter_glossy);
         if let Some(paths) = self.guide {
             path.guide = (paths > 0).then_some(paths);
         }
@@ -239,7 +244,7 @@ mod tests {
         assert_eq!(
             problem(cutoff.clone()),
             "the integrator `path` with the stop `roulette` does not use --cutoff\n  \
-             help: leave it out; used are --max-depth, --lights, --stop, --clamp-indirect, --guide, --roulette-after, --survival"
+             help: leave it out; used are --max-depth, --lights, --stop, --clamp-indirect, --filter-glossy, --guide, --roulette-after, --survival"
         );
         assert_eq!(
             problem(IntegratorOverrides { rays: Some(3), ..named("flat") }),
