@@ -6,8 +6,8 @@
 //! as leaf cards, share a micromap. A cell is known only if all texels agree that its points may mix, so hits are the same
 //! as without.
 
-use std::collections::BTreeMap;
-use std::collections::btree_map::Entry;
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::Vec2;
 use rayon::prelude::*;
@@ -57,7 +57,7 @@ impl OpacityMicromaps {
             materials.par_iter().map(|material| Tables::new(material, textures)).collect();
         // The triangles that show each.
         let mut numbers = Vec::with_capacity(records.len());
-        let (mut known, mut shown) = (BTreeMap::new(), Vec::new());
+        let (mut known, mut shown) = (HashMap::new(), Vec::new());
         for (prim, record) in (0..).zip(records) {
             let (material, mesh) = (&materials[record.material as usize], &meshes[record.mesh as usize]);
             let has_colors = material.uses_vertex_colors && !mesh.colors.is_empty();
