@@ -65,10 +65,12 @@ impl Path {
         self.normal & Self::SEES_LIGHTS != 0 && self.normal != Self::NOWHERE
     }
 
-    /// Whether it has been spread by a wide lobe: in its last bounce, or before a mirror or clear glass.
+    /// Whether it has been spread by a wide lobe: in its last bounce, or before the mirrors and clear glass that followed.
     #[inline(always)]
     pub(super) fn is_spread(&self) -> bool {
-        !self.is_first() && (self.density == f32::INFINITY || !Self::is_narrow(self.density))
+        let is_shown_to_wide = self.normal & Self::SEES_LIGHTS == 0;
+        !self.is_first()
+            && if self.density == f32::INFINITY { is_shown_to_wide } else { !Self::is_narrow(self.density) }
     }
 
     /// Whether a bounce of this density is about one direction.

@@ -182,16 +182,20 @@ pub(crate) fn chance(ray: &Ray, hit: &Hit) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
+    use glam::{Affine3A, Vec3};
 
     use super::*;
     use crate::scene::{
-        CameraPose, Channel, Input, InputMap, Material, Mesh, Opacity, Scene, Target, Texture, TextureFilter,
-        TextureMap,
+        CameraPose, Channel, Input, InputMap, Instance, Material, Mesh, Object, Opacity, Scene, Target, Texture,
+        TextureFilter, TextureMap,
     };
 
     /// A square from 0 to 1 at each of these heights, of a material each.
     fn squares(materials: Vec<Material>, textures: Vec<Texture>) -> World {
+        World::new(scene_of_squares(materials, textures)).unwrap()
+    }
+
+    fn scene_of_squares(materials: Vec<Material>, textures: Vec<Texture>) -> Scene {
         let corners = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
         let mesh = |material: usize| Mesh {
             positions: corners.map(|corner| corner.extend(material as f32)).into(),
@@ -203,7 +207,7 @@ mod tests {
         };
         let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
         let meshes = (0..materials.len()).map(mesh).collect();
-        World::new(Scene { meshes, materials, textures, camera: Some(camera), ..Scene::default() }).unwrap()
+        Scene { meshes, materials, textures, camera: Some(camera), ..Scene::default() }
     }
 
     fn map(set: u32) -> TextureMap {
@@ -274,6 +278,42 @@ mod tests {
         assert_eq!(trace(vec![solid]), ([Some(1.0); 4], [true; 4]));
         let gone = Material { opacity: Opacity { map: None, ..opacity(0.4, 0.5) }, ..Material::default() };
         assert_eq!(trace(vec![gone, fence]), ([None, Some(2.0), Some(2.0), Some(2.0)], [false, true, true, true]));
+    }
+
+    /// Two fences, of which any may be an instance.
+    #[test]
+    fn rays_pass_through_holes_of_instances_and_of_what_is_behind() {
+        let opacity = |cutoff| Opacity { value: 1.0, map: Some((map(0), Channel::A)), cutoff: Some(cutoff) };
+        let fences = [0.5, 0.3].map(|cutoff| Material { opacity: opacity(cutoff), ..Material::default() });
+        let places: Vec<Vec2> = (0..500).map(|i| 1.4 * Stream::new(1, i, 0).uniform2(0) - 0.2).collect();
+        let rays = upwards(&places);
+        let trace = |fences: [&Material; 2], instanced: &[usize]| {
+            let mut scene = scene_of_squares(fences.map(Material::clone).to_vec(), vec![texture()]);
+            for (object, &number) in instanced.iter().enumerate() {
+                scene.meshes[number].object = Some(object);
+                scene.objects.push(Object::default());
+                scene.instances.push(Instance { object, to_world: Affine3A::IDENTITY });
+            }
+            let world = World::new(scene).unwrap();
+            assert_eq!(world.instances.is_some(), !instanced.is_empty());
+            let (mut hits, mut side_by_side) = (vec![Hit::MISS; rays.len()], vec![Hit::MISS; rays.len()]);
+            let mut occluded = vec![false; rays.len()];
+            world.intersect_many(&rays, &mut hits);
+            world.intersect_side_by_side(&rays, &[], &mut side_by_side);
+            world.occluded_many(&rays, &mut occluded);
+            assert_eq!(side_by_side, hits);
+            let found: Vec<Option<f32>> = hits.iter().map(|hit| hit.is_hit().then_some(hit.t)).collect();
+            assert_eq!(occluded, found.iter().map(Option::is_some).collect::<Vec<_>>());
+            found
+        };
+        let [holed, whole] = &fences;
+        for fences in [[holed, holed], [holed, whole], [whole, holed]] {
+            let expected = trace(fences, &[]);
+            assert!([None, Some(1.0)].iter().all(|kind| expected.contains(kind)));
+            for instanced in [&[0][..], &[1], &[0, 1]] {
+                assert_eq!(trace(fences, instanced), expected, "{instanced:?}");
+            }
+        }
     }
 
     #[test]

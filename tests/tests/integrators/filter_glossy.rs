@@ -49,6 +49,28 @@ fn gloss_that_the_camera_sees_stays() {
     assert!(picture(&scene, 0.0, 2).iter().any(|pixel| *pixel != DVec3::ZERO), "its highlight");
 }
 
+/// The camera sees another wall of metal, which shows it the first.
+#[test]
+fn gloss_that_mirrors_and_gloss_show_the_camera_stays() {
+    let shown_by = |roughness: f32| {
+        let mut scene = floor_and_wall(0.1, false);
+        scene.materials[0] = Material {
+            inputs: Inputs { specular_roughness: roughness, ..scene.materials[1].inputs },
+            ..Material::default()
+        };
+        // From the floor to the wall.
+        scene.camera.as_mut().unwrap().target = Vec3::new(0.7, 0.0, 0.0);
+        let [sharp, filtered] = [0.0, 0.5].map(|least| picture(&scene, least, 3));
+        let lit = sharp.iter().filter(|pixel| **pixel != DVec3::ZERO).count();
+        (lit, sharp.iter().zip(&filtered).filter(|(sharp, filtered)| sharp != filtered).count())
+    };
+    let (lit, changed) = shown_by(0.0);
+    assert!(lit > 200 && changed == 0, "a mirror: {changed} of {lit} pixels");
+    // Few bounces of narrow lobes are wide.
+    let (lit, changed) = shown_by(0.05);
+    assert!(lit > 200 && changed < lit / 4, "gloss: {changed} of {lit} pixels");
+}
+
 #[test]
 fn a_roughness_out_of_range_is_refused() {
     for filter_glossy in [-0.1, 1.1, f32::NAN] {
