@@ -74,10 +74,10 @@ impl World {
             spread.into_iter().map(|(it, spread)| (it, std::mem::replace(&mut shown[it], spread))).collect();
         let cells = EmissionCells::new((&meshes, &first_faces), (&materials, &textures), &triangle_records[..still]);
         let emits = |prim: usize| material(prim).emission != Vec3::ZERO;
-        let most = most_slices((0..still).into_par_iter().filter(|&prim| emits(prim)).count());
+        let most = most_slices((0..corners.len()).into_par_iter().filter(|&prim| emits(prim)).count());
         let slices = |prim: usize| {
             let radiance = luminance_weight(material(prim).emission);
-            (prim < still).then(|| slices(prim as u32, &corners[prim], radiance, most)).flatten()
+            slices(prim as u32, &corners[prim], radiance, most)
         };
         let emissive_parts = |prim: usize| cells.emissive_parts(prim).or_else(|| slices(prim));
         let others = (shown, SkyLight::new(sky));

@@ -162,20 +162,25 @@ fn light_through_a_wedge_counts_once() {
     }
 }
 
-/// Gloss, whose bounces look for lights behind panes: hardly otherwise than below a plate.
+/// Gloss, whose bounces look for lights behind panes: hardly otherwise than below a plate. Of a lamp that is wider than
+/// the lobe, bounces would find most again.
 #[test]
 fn gloss_below_a_wedge_is_as_bright_as_below_a_plate() {
     let to_sun = DVec3::new(0.3, 0.9, 0.1).normalize();
     let inputs = Inputs { base_metalness: 1.0, specular_roughness: 0.15, ..Inputs::default() };
     let [.., (name, path)] = integrators();
+    let position = 20.0 * to_sun.as_vec3();
+    let lamp = PunctualLight::Point { position, intensity: 4000.0 * Vec3::ONE, radius: 2.0 };
     let [wedge, plate] = [2.0, 0.0].map(|slope| {
         let mut scene = below_a_wedge(Material { inputs, ..Material::default() }, slope);
         // It looks at where the sun is mirrored.
         let eye = 1.5 * (to_sun * DVec3::new(-1.0, 1.0, -1.0)).as_vec3();
         scene.camera = Some(CameraPose { eye, target: Vec3::ZERO, up: Vec3::X, vfov: 30.0 });
-        skies(&scene, to_sun).map(|scene| Estimate::of(&means(&scene, &path, 8)).mean)
+        let [picture, light] = skies(&scene, to_sun);
+        let lamp = Scene { lights: vec![lamp.clone()], ..scene };
+        [picture, light, lamp].map(|scene| Estimate::of(&means(&scene, &path, 32)).mean)
     });
-    for (what, wedge, plate) in [("picture", wedge[0], plate[0]), ("light", wedge[1], plate[1])] {
+    for ((what, wedge), plate) in ["picture", "light", "lamp"].into_iter().zip(wedge).zip(plate) {
         let off = (wedge / plate - 1.0).abs().max_element();
         assert!(off < 0.03, "{what}, {name}: {wedge} and {plate}");
     }

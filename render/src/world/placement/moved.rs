@@ -63,10 +63,11 @@ impl World {
         Some(records[hit.instance as usize].turn())
     }
 
-    /// The corners of a light that is a part of a triangle at a time, and its area. Triangles that move are not divided.
+    /// The corners of a light that is a part of a triangle at a time, and its area.
     #[inline(always)]
     pub(crate) fn emitter_corners(&self, light: u32, part: &TrianglePart, time: f32) -> (Triangle, f32) {
         if let Some(corners) = self.motion.as_ref().and_then(|motion| motion.corners(part.prim_id, time)) {
+            let corners = part.corners(&corners);
             return (corners, area(&corners));
         }
         let emitter = &self.emitter_records[light as usize];
