@@ -5,11 +5,12 @@
 //! reflected to a point, the light tree does not know, as it may be behind the surface. One number `r` in [0, 1) decides
 //! which starts are worth a search, all of them with the same number: those with
 //!
-//! `r ≤ q = min(1, s / ALWAYS)`,
+//! `r ≤ q = min(1, s w / ALWAYS)`,
 //!
-//! where `s` is a start's strength, and what they find is divided by `q`. The strongest come first, so that a connection
-//! that several starts lead to counts with the probability of finding it. Of the connections that were found one is
-//! chosen by what it brings. Of many lights, four are looked for.
+//! where `s` is a start's strength, and what they find is divided by `q`. The light's share `w` is its own irradiance by
+//! that of all lights, from 1/16 to 1, so that a faint lamp beside a sun costs little. The strongest come first, so that a
+//! connection that several starts lead to counts with the probability of finding it. Of the connections that were found
+//! one is chosen by what it brings. Of many lights, four are looked for.
 //!
 //! A light with a size is a disc that faces the photon's direction, of which one point is sampled and of the sun of a sky picture
 //! one direction.
@@ -22,11 +23,14 @@ use smallvec::SmallVec;
 
 use super::punctual::{direction_of_sun, intensity};
 use super::refracted::FINER;
+use crate::light::{SkyPart, luminance_weight};
 use crate::scene::PunctualLight;
 use crate::world::{LightEnd, LightInMirrors, SpecularConnection, Start, Starts, Surface, World};
 
-/// The strength from which on a start is always searched.
+/// The strength from which on a start is always searched, of a light that is alone.
 const ALWAYS: f32 = 0.5;
+/// The least share of a light. What the light tree takes for bright may be behind a wall.
+const LEAST_SHARE: f32 = 1.0 / 16.0;
 /// The most connections to a point.
 const MAX_CONNECTIONS: usize = 16;
 
@@ -48,12 +52,14 @@ pub(crate) struct ReflectedLight {
 /// searches are made.
 #[inline(never)]
 pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32, u: Vec2) -> Option<ReflectedLight> {
-    let always = ALWAYS / importance;
     let [roulette, mut choice] = [u.x, u.y].map(|u| (FINER * u).fract());
     let mut starts = Starts::default();
     let mut found = SmallVec::<[(u32, SpecularConnection); MAX_CONNECTIONS]>::new();
     let (mut total, mut chosen) = (0.0, None);
+    let mut of_all_lights = None;
     for reflected in world.lights_in_mirrors(surface.position, roulette) {
+        let all = *of_all_lights.get_or_insert_with(|| world.lights.weigh(&surface.receiver(), SkyPart::All).total());
+        let always = ALWAYS / (importance * share(reflected.light, surface.position, all));
         reflected.find_starts(surface.position, always, &mut starts);
         if starts.is_empty() {
             continue;
@@ -110,6 +116,15 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
     }
     let (light, brought) = chosen?;
     Some(ReflectedLight { received: light.received * (total / brought), ..light })
+}
+
+/// A light's own irradiance on what faces it, as a part of that of all lights.
+fn share(light: &PunctualLight, point: Vec3, of_all_lights: f32) -> f32 {
+    let distance_squared = light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
+    let greatest = if let PunctualLight::Profiled { profile, .. } = light { profile.greatest() } else { 1.0 };
+    let own = greatest * luminance_weight(light.power().0) / distance_squared;
+    // Nothing but this light may reach the point, by its reflection.
+    if own < of_all_lights { (own / of_all_lights).max(LEAST_SHARE) } else { 1.0 }
 }
 
 /// The point or direction of a light that two numbers in [0, 1) mean, and the radiance of that part over the density of its

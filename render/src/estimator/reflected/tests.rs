@@ -3,6 +3,7 @@
 use std::f32::consts::PI;
 
 use glam::{Vec2, Vec3, vec3};
+use halfdome_kernel::sampling::Stream;
 
 use super::*;
 use crate::driver;
@@ -107,6 +108,29 @@ fn a_wall_of_mirror_shows_an_image_of_the_light() {
     let found = irradiance(&world(dark(), vec![sun(to_sun)], vec![wall(1)]), Vec2::new(0.6, 0.1), ALL).0;
     let expected = f64::from(0.8 * to_sun.z);
     assert!((found / expected - 1.0).abs() < 2e-3, "{found}, not {expected}");
+}
+
+/// Beside a light that is a thousand times as bright, and which the mirror does not show.
+#[test]
+fn a_faint_light_beside_a_bright_one_is_rarely_searched_but_right_in_the_mean() {
+    let lamp = vec3(0.5, 0.3, 1.5);
+    let behind = PunctualLight::Point { position: vec3(4.0, 0.0, 2.0), intensity: Vec3::splat(1e3), radius: 0.0 };
+    let alone = world(dark(), vec![point(lamp, 0.0)], vec![wall(1)]);
+    let beside = world(dark(), vec![point(lamp, 0.0), behind], vec![wall(1)]);
+    let mut hits = [Hit::MISS];
+    alone.intersect_many(&[Ray::new(vec3(0.0, 0.0, 0.01), -Vec3::Z)], &mut hits);
+    const SAMPLES: u32 = 1 << 18;
+    // The mean irradiance, and the part of samples that find the reflection.
+    let sample = |world: &World| {
+        let surface = world.surface_at(&hits[0]).facing(-Vec3::Z);
+        let light = |i: u32| sample_reflected(world, &surface, 1.0, Stream::new(7, i, 0).uniform2(0));
+        let found: Vec<ReflectedLight> = (0..SAMPLES).filter_map(light).collect();
+        let sum: f64 = found.iter().map(|light| f64::from(light.received.x * light.direction.z)).sum();
+        [sum, found.len() as f64].map(|of_all| of_all / f64::from(SAMPLES))
+    };
+    let [[expected, always], [found, rarely]] = [&alone, &beside].map(sample);
+    assert!((found / expected - 1.0).abs() < 0.03, "{found}, not {expected}");
+    assert!((rarely / (always * f64::from(LEAST_SHARE)) - 1.0).abs() < 0.06, "{rarely} of {always}");
 }
 
 #[test]
