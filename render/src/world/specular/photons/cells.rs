@@ -88,7 +88,7 @@ impl CellsBuilder {
         }
         // Cells far from the origin are no narrower than a few roundings of their coordinates.
         let least = (MIN_CELL_IN_RADII * radius).max(MIN_CELL_IN_DISTANCES * point.abs().max_element());
-        let level = Level::new(greatest.max(least).log2().floor() as i32 + 1);
+        let level = Level::new(greatest.max(least).log2().floor() as i32);
         let index = self.photons.len() as u32;
         self.photons.push(*photon);
         let around = Aabb { min: *point - *extent, max: *point + *extent };

@@ -20,7 +20,7 @@ use crate::world::{Hit, MIDDLE, World};
 const PHOTONS: usize = 1 << 18;
 
 /// ... and for one light and one body, at least and at most.
-const OF_BODY: [usize; 2] = [64, 32_768];
+const OF_BODY: [usize; 2] = [64, 8192];
 
 /// The least strength of a photon that is reflected.
 const MIN_STRENGTH: f32 = 1e-3;
