@@ -56,10 +56,11 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
     let mut starts = Starts::default();
     let mut found = SmallVec::<[(u32, SpecularConnection); MAX_CONNECTIONS]>::new();
     let (mut total, mut chosen) = (0.0, None);
+    let always = ALWAYS / importance;
     let mut of_all_lights = None;
-    for reflected in world.lights_in_mirrors(surface.position, roulette) {
+    for reflected in world.lights_in_mirrors(surface.position, (always, roulette)) {
         let all = *of_all_lights.get_or_insert_with(|| world.lights.weigh(&surface.receiver(), SkyPart::All).total());
-        let always = ALWAYS / (importance * share(reflected.light, surface.position, all));
+        let always = always / share(&reflected, all);
         reflected.find_starts(surface.position, always, &mut starts);
         if starts.is_empty() {
             continue;
@@ -119,8 +120,8 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
 }
 
 /// A light's own irradiance on what faces it, as a part of that of all lights.
-fn share(light: &PunctualLight, point: Vec3, of_all_lights: f32) -> f32 {
-    let distance_squared = light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
+fn share(reflected: &LightInMirrors, of_all_lights: f32) -> f32 {
+    let &LightInMirrors { light, distance_squared, .. } = reflected;
     let greatest = if let PunctualLight::Profiled { profile, .. } = light { profile.greatest() } else { 1.0 };
     let own = greatest * luminance_weight(light.power().0) / distance_squared;
     // Nothing but this light may reach the point, by its reflection.

@@ -9,6 +9,7 @@ use halfdome_tests::render::{material, mesh, pixels, quad, render};
 
 use crate::{EMISSION, SIZE, check, expected, form_factor, plane, reflected, settings};
 
+/// The strip's.
 const CORNERS: [[f32; 3]; 4] = [[-2.0, 0.05, -0.02], [2.0, 0.05, -0.02], [2.0, 0.05, 0.0], [-2.0, 0.05, 0.0]];
 
 /// A strip of 4 m by 2 cm, 5 cm above the plane, which it lights, and the radiance of each pixel.

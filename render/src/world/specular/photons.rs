@@ -94,6 +94,8 @@ pub(crate) struct LightInMirrors<'w> {
     /// Its index.
     pub index: u32,
     pub light: &'w PunctualLight,
+    /// The square of its distance; 1 of a sun.
+    pub distance_squared: f32,
     /// The reciprocal of the probability of choosing it.
     pub inv_probability: f32,
     photons: &'w Cells,
@@ -166,8 +168,13 @@ impl Photons {
 }
 
 impl World {
-    /// Lights whose reflections may arrive at a point; of many lights a few, evenly spread by `roulette` in [0, 1).
-    pub(crate) fn lights_in_mirrors(&self, point: Vec3, roulette: f32) -> impl Iterator<Item = LightInMirrors<'_>> {
+    /// Lights whose reflections may arrive at a point and be worth a search, where starts of the strength `always` always are and
+    /// of weaker ones a part; of many lights a few, evenly spread by `roulette` in [0, 1).
+    pub(crate) fn lights_in_mirrors(
+        &self,
+        point: Vec3,
+        (always, roulette): (f32, f32),
+    ) -> impl Iterator<Item = LightInMirrors<'_>> {
         let lights = &self.specular.reflected.lights;
         let stride = (lights.len() as f32 / MAX_LIGHTS as f32).max(1.0);
         (0..lights.len().min(MAX_LIGHTS)).filter_map(move |slot| {
@@ -179,7 +186,16 @@ impl World {
             };
             let (index, photons) = &lights[place];
             let light = self.narrow_light(*index).filter(|_| photons.may_reach(point))?;
-            Some(LightInMirrors { index: *index, light, inv_probability: stride, photons, roulette })
+            let distance_squared = light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
+            let may_light = photons.may_light(point, roulette * always / distance_squared);
+            may_light.then_some(LightInMirrors {
+                index: *index,
+                light,
+                distance_squared,
+                inv_probability: stride,
+                photons,
+                roulette,
+            })
         })
     }
 
@@ -197,11 +213,10 @@ impl LightInMirrors<'_> {
     /// Writes the starts for a point, the strongest first, of the searches that are worth it: of those weaker than
     /// `always`, a part in proportion to their strength.
     pub(crate) fn find_starts(&self, point: Vec3, always: f32, starts: &mut Starts) {
-        let distance_squared = self.light.place().map_or(1.0, |(position, ..)| position.distance_squared(point));
         starts.0.clear();
-        self.photons.find(point, self.roulette * always / distance_squared, starts);
+        self.photons.find(point, self.roulette * always / self.distance_squared, starts);
         let starts = &mut starts.0;
-        starts.iter_mut().for_each(|start| start.strength *= distance_squared);
+        starts.iter_mut().for_each(|start| start.strength *= self.distance_squared);
         starts.sort_by(|a, b| b.strength.total_cmp(&a.strength));
     }
 }

@@ -168,6 +168,12 @@ impl Cells {
         point.cmpge(self.bounds.min).all() && point.cmple(self.bounds.max).all()
     }
 
+    /// Whether photons of at least this irradiance may have arrived near a point in the box.
+    pub(super) fn may_light(&self, point: Vec3, irradiance: f32) -> bool {
+        let least = exponent(irradiance);
+        self.coarse.greatest(point, self.levels.len()).iter().any(|&greatest| greatest >= least)
+    }
+
     /// Adds the starts for a point by photons of at least this irradiance, without those that lead to the same
     /// connection.
     pub(super) fn find(&self, point: Vec3, irradiance: f32, starts: &mut Starts) {
