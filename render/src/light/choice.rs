@@ -80,8 +80,34 @@ impl LightSampler {
 
     /// The approximate unoccluded irradiance by lights that have a place.
     pub(crate) fn lamp_irradiance(&self, receiver: &Receiver) -> f32 {
-        let triangles = self.triangles.as_ref().map_or(0.0, |tree| tree::total(&tree.root_weights(receiver)));
-        triangles + self.points.as_ref().map_or(0.0, |tree| tree::total(&tree.root_weights(receiver)))
+        let triangles = self.triangles.as_ref().map_or(0.0, |tree| tree.frontier(receiver).total);
+        triangles + self.points.as_ref().map_or(0.0, |tree| tree.frontier(receiver).total)
+    }
+
+    /// The approximate unoccluded irradiance by all lights and this part of the sky, better than [`weigh`](Self::weigh) knows
+    /// it, and one of them, chosen by its part of that by numbers in [0, 1).
+    pub(crate) fn choose_closely(&self, receiver: &Receiver, part: SkyPart, [kind, u]: [f32; 2]) -> Option<(f32, u32)> {
+        let triangles = self.triangles.as_ref().map(|tree| (tree, tree.frontier(receiver)));
+        let points = self.points.as_ref().map(|tree| (tree, tree.frontier(receiver)));
+        let directional: f32 = self.directional.rows(receiver).map(|row| tree::sum(&row)).sum();
+        let triangles_sum = triangles.as_ref().map_or(0.0, |(_, frontier)| frontier.total);
+        let points_sum = points.as_ref().map_or(0.0, |(_, frontier)| frontier.total);
+        let sky = self.sky.weight(receiver, part);
+        let total = (triangles_sum + points_sum) + (directional + sky);
+        let place = kind * total;
+        let index = match (triangles, points) {
+            _ if total <= 0.0 => return None,
+            (Some((tree, frontier)), _) if place < triangles_sum => tree.choose_beyond(receiver, &frontier, u).index,
+            (_, Some((tree, frontier))) if place < triangles_sum + points_sum => {
+                self.first_point() + tree.choose_beyond(receiver, &frontier, u).index
+            }
+            _ if place < total - sky || sky == 0.0 => {
+                let pick = self.choose_directional(receiver, directional, f64::from(u * directional));
+                self.first_distant() + pick.index
+            }
+            _ => self.sky_number(),
+        };
+        Some((total, index))
     }
 
     /// Chooses a light for a receiver with these weights, by a number in [0, 1), of double precision as there may be

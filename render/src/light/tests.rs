@@ -68,6 +68,41 @@ fn receiver(i: u32, scale: f32) -> Receiver {
     Receiver::new(1.5 * scale * place(9, i), direction(9, i), i.is_multiple_of(5))
 }
 
+/// A receiver close to one of many lamps: clusters about it, whose estimates do not tell that, are opened.
+#[test]
+fn close_choices_know_which_lamp_is_near() {
+    let lamp = |i: u32| PunctualLight::Point {
+        position: Vec3::new((i % 20) as f32, (i / 20) as f32, 0.0),
+        intensity: Vec3::ONE,
+        radius: 0.0,
+    };
+    let lamps: Vec<PunctualLight> = (0..400).map(lamp).collect();
+    let lights = lights((Vec::new(), Vec::new()), lamps.clone(), Sky::default());
+    for near in [0, 7, 210, 389] {
+        let place = |light: &PunctualLight| light.place().map(|(position, ..)| position).unwrap();
+        let receiver = Receiver::new(place(&lamps[near]) - 0.1 * Vec3::Z, Vec3::Z, false);
+        let irradiance = |light: &PunctualLight| {
+            let way = place(light) - receiver.position;
+            way.z / way.length_squared().powf(1.5)
+        };
+        let expected: f32 = lamps.iter().map(irradiance).sum();
+        let estimate = lights.lamp_irradiance(&receiver);
+        assert!((estimate / expected - 1.0).abs() < 0.02, "{estimate}, not {expected}");
+        let chosen = |i: u32| {
+            let numbers = Stream::new(8, i, 0).uniform2(0).to_array();
+            let (total, index) = lights.choose_closely(&receiver, SkyPart::All, numbers).unwrap();
+            assert_eq!(total, estimate);
+            place(match &lights.lights()[index as usize] {
+                Light::Punctual(light) => light,
+                light => panic!("{light:?}"),
+            })
+        };
+        let hits = (0..2000).filter(|&i| chosen(i) == place(&lamps[near])).count();
+        let share = irradiance(&lamps[near]) / expected;
+        assert!((hits as f32 / 2000.0 - share).abs() < 0.03, "{hits} of 2000, not {share}");
+    }
+}
+
 /// The probability of every source. That of triangles is what a bounce that hits one asks for.
 fn probabilities(lights: &LightSampler, receiver: &Receiver, part: SkyPart) -> Vec<f64> {
     let weights = lights.weigh(receiver, part);

@@ -76,6 +76,11 @@ impl Clusters {
         if self.is_dark(i, towards, radius * inv_distance) { 0.0 } else { finite_or_zero(weight) }
     }
 
+    /// Whether a point is so near a cluster that its lights may differ in distance by more than the factor 6.
+    pub(super) fn is_near(&self, i: usize, point: Vec3) -> bool {
+        at(&self.center, i).distance_squared(point) < 2.0 * self.radius[i] * self.radius[i]
+    }
+
     /// Whether the direction to the receiver is outside the cone of a cluster whose sphere subtends the half angle with
     /// this sine, or 1 and more from inside.
     #[inline(always)]

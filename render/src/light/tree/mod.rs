@@ -12,6 +12,7 @@
 
 mod build;
 pub(crate) mod cluster;
+mod frontier;
 pub(crate) mod leaf;
 
 use super::Receiver;

@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_1_PI, PI};
 use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
-use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
+use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
 use crate::scene::PunctualLight;
@@ -81,10 +81,9 @@ impl World {
         let sampler = Sampler::new(Pattern::Sobol, 0, side.prim_id, number);
         let receiver = Receiver::new(side.position, side.normal, false);
         let [a, b, c, d] = sampler.uniform4(0);
-        let weights = self.lights.weigh(&receiver, SkyPart::Sun);
-        let choice = self.lights.choose(&receiver, &weights, unit_double(Vec2::new(a, b)));
-        let is_reached = choice.is_some_and(|choice| self.is_reached(side, choice.index, Vec2::new(c, d)));
-        let lights = if is_reached { weights.total() } else { 0.0 };
+        let choice = self.lights.choose_closely(&receiver, SkyPart::Sun, [a, b]);
+        let reached = choice.filter(|&(_, light)| self.is_reached(side, light, Vec2::new(c, d)));
+        let lights = reached.map_or(0.0, |(irradiance, _)| irradiance);
         if self.lights.sky.mean() == Vec3::ZERO {
             return [lights, 0.0];
         }
