@@ -78,16 +78,16 @@ fn close_choices_know_which_lamp_is_near() {
     };
     let lamps: Vec<PunctualLight> = (0..400).map(lamp).collect();
     let lights = lights((Vec::new(), Vec::new()), lamps.clone(), Sky::default());
-    for near in [0, 7, 210, 389] {
+    for (near, distance) in [(0, 0.1), (7, 0.1), (210, 0.1), (389, 1.0), (210, 1.5)] {
         let place = |light: &PunctualLight| light.place().map(|(position, ..)| position).unwrap();
-        let receiver = Receiver::new(place(&lamps[near]) - 0.1 * Vec3::Z, Vec3::Z, false);
+        let receiver = Receiver::new(place(&lamps[near]) - distance * Vec3::Z, Vec3::Z, false);
         let irradiance = |light: &PunctualLight| {
             let way = place(light) - receiver.position;
             way.z / way.length_squared().powf(1.5)
         };
         let expected: f32 = lamps.iter().map(irradiance).sum();
         let estimate = lights.lamp_irradiance(&receiver);
-        assert!((estimate / expected - 1.0).abs() < 0.02, "{estimate}, not {expected}");
+        assert!((estimate / expected - 1.0).abs() < 0.08, "{estimate}, not {expected}");
         let chosen = |i: u32| {
             let numbers = Stream::new(8, i, 0).uniform2(0).to_array();
             let (total, index) = lights.choose_closely(&receiver, SkyPart::All, numbers).unwrap();
