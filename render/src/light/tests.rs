@@ -103,6 +103,37 @@ fn close_choices_know_which_lamp_is_near() {
     }
 }
 
+/// Of few lights all are weighed, so that close choices are those of light samples: of each kind of light.
+#[test]
+fn close_choices_among_few_lights_have_the_probabilities_of_light_samples() {
+    let (corners, mut materials) = triangles(6, 1.0);
+    materials.iter_mut().for_each(|material| material.emission *= 1e3);
+    let lights = lights((corners, materials), punctual(9, 1.0), picture());
+    let mut kinds = [0; 4];
+    for i in 0..20 {
+        let receiver = receiver(i, 1.0);
+        let expected = probabilities(&lights, &receiver, SkyPart::All);
+        let mut hits = vec![0; expected.len()];
+        for number in 0..4000 {
+            let numbers = Stream::new(12, number, i).uniform2(0).to_array();
+            let (total, index) = lights.choose_closely(&receiver, SkyPart::All, numbers).unwrap();
+            assert!((total / lights.weigh(&receiver, SkyPart::All).total() - 1.0).abs() < 1e-5);
+            hits[index as usize] += 1;
+        }
+        for (index, (hits, expected)) in hits.into_iter().zip(expected).enumerate() {
+            assert!((f64::from(hits) / 4000.0 - expected).abs() < 0.03, "{i}, {index}: {hits}, not {expected}");
+            let kind = match lights.lights()[index] {
+                Light::Triangle(_) => 0,
+                Light::Punctual(PunctualLight::Directional { .. }) => 2,
+                Light::Punctual(_) => 1,
+                Light::Sky => 3,
+            };
+            kinds[kind] += hits;
+        }
+    }
+    assert!(kinds.iter().all(|&hits| hits > 400), "{kinds:?}");
+}
+
 /// The probability of every source. That of triangles is what a bounce that hits one asks for.
 fn probabilities(lights: &LightSampler, receiver: &Receiver, part: SkyPart) -> Vec<f64> {
     let weights = lights.weigh(receiver, part);
