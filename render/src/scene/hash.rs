@@ -28,7 +28,7 @@ impl Scene {
         let Self { meshes, instances, materials, textures, lights, sky: Sky { radiance, picture }, .. } = self;
         hash.count(meshes.len());
         for mesh in meshes {
-            let Mesh { positions, normals, texcoords, triangles, material, colors, tangents, .. } = mesh;
+            let Mesh { positions, normals, texcoords, triangles, material, colors, tangents, map_space, .. } = mesh;
             hash.count(positions.len());
             positions.iter().for_each(|&p| hash.vector(p));
             hash.count(normals.len());
@@ -42,6 +42,9 @@ impl Scene {
             colors.iter().for_each(|color| hash.floats(&color.to_array()));
             hash.count(tangents.len());
             tangents.iter().flatten().for_each(|tangent| hash.floats(&tangent.to_array()));
+            if let Some(space) = map_space {
+                hash.floats(&space.to_cols_array());
+            }
             if let Some(object) = mesh.object {
                 hash.count(object);
             }

@@ -16,7 +16,7 @@ pub(super) mod sky;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Mat3, Vec2, Vec3, Vec4};
 
 use super::{Animation, CameraPose, Clip, Instance, Material, Motion, Object, Optics, PunctualLight, Sky, Texture};
 
@@ -83,6 +83,9 @@ pub struct Mesh {
     /// For the corners of each triangle, a unit tangent and in `w` the sign of the bitangent, which is
     /// `w × (normal × tangent)` and points up in pictures; or empty.
     pub tangents: Vec<[Vec4; 3]>,
+    /// The linear transform from the coordinates in which `tangents` are and normal maps apply to those of the mesh:
+    /// Blender applies normal maps before it scales an object. `None` where both are the same, as glTF has it.
+    pub map_space: Option<Mat3>,
     /// Three valid indices into `positions` each.
     pub triangles: Vec<[u32; 3]>,
     /// A valid index into [`Scene::materials`].

@@ -3,7 +3,7 @@
 //! # Normals
 //!
 //! Normal maps are read as MikkTSpace defines them: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
-//! interpolated, not normalised, and `B = w N × T`. Bump maps follow Blinn 1978 in Mikkelsen's form (2010): `n ∥ N -
+//! interpolated, not normalised, and `B = w N × T`, in the coordinates of [`Mesh::map_space`]. Bump maps follow Blinn 1978 in Mikkelsen's form (2010): `n ∥ N -
 //! (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel. Both give the
 //! normal on the front. Deviation: normals that point below the surface are handled in shading, where the direction of
 //! light is known.
@@ -78,7 +78,22 @@ impl<'a> MeshPoint<'a> {
     /// The interpolated tangent, with the bitangent's sign; `None` if the mesh has none.
     fn tangent(&self) -> Option<Vec4> {
         let tangent = self.mix(*self.mesh.tangents.get(self.triangle)?);
-        Some(self.turn.map_or(tangent, |turn| turn.tangent(tangent)))
+        Some(self.map_turn().or(self.turn).map_or(tangent, |turn| turn.tangent(tangent)))
+    }
+
+    /// The turn from the coordinates in which normal maps apply to the world, if these are not the mesh's own.
+    fn map_turn(&self) -> Option<Turn> {
+        let space = self.mesh.map_space?;
+        Some(self.turn.map_or_else(|| Turn::new(space), |turn| turn.after(space)))
+    }
+
+    /// The normal by a map, where `normal` is the one by the vertices, not normalised; `None` if the mesh has no
+    /// tangents.
+    fn mapped_normal(&self, map: &NormalMap, normal: Vec3) -> Option<Vec3> {
+        let texel = self.texel(&map.texture);
+        let Some(turn) = self.map_turn() else { return Some(map.normal(texel, normal, self.tangent()?)) };
+        let tangent = self.mix(*self.mesh.tangents.get(self.triangle)?);
+        Some(turn.normal(map.normal(texel, turn.normal_before(normal), tangent)))
     }
 
     /// The colour of the vertices; white if they have none.
@@ -143,26 +158,20 @@ impl Material {
         match &self.coat_normal {
             CoatNormal::OfBase => None,
             CoatNormal::OfVertices => Some(smooth),
-            CoatNormal::Map(map) => {
-                let Some(tangent) = point.tangent() else { return Some(smooth) };
-                Some(map.normal(point.texel(&map.texture), smooth, tangent).normalize_or(smooth))
-            }
+            CoatNormal::Map(map) => point.mapped_normal(map, smooth).and_then(Vec3::try_normalize).or(Some(smooth)),
         }
     }
 
     /// Normal and tangent at a point, whose interpolated normal is `interpolated`, as in
     /// [`shading_at`](Self::shading_at).
     pub fn frame_at(&self, point: &MeshPoint<'_>, interpolated: Vec3) -> ShadingFrame {
-        let tangent = point.tangent();
-        let mut normal = interpolated;
-        if let Some((map, tangent)) = self.normal_map.as_ref().zip(tangent) {
-            normal = map.normal(point.texel(&map.texture), interpolated, tangent);
-        }
+        let mapped = self.normal_map.as_ref().and_then(|map| point.mapped_normal(map, interpolated));
+        let mut normal = mapped.unwrap_or(interpolated);
         if let Some(map) = &self.bump_map {
             normal = map.normal(point, normal.normalize_or(interpolated));
         }
         let normal = normal.normalize_or(interpolated.normalize_or(Vec3::Z));
-        let tangent = tangent.filter(|_| self.is_anisotropic()).and_then(|tangent| {
+        let tangent = point.tangent().filter(|_| self.is_anisotropic()).and_then(|tangent| {
             let along = tangent.truncate().reject_from(normal).try_normalize()?;
             let bitangent = normal.cross(along) * tangent.w.signum();
             Some(self.turned(point, along, bitangent))

@@ -1,6 +1,6 @@
 //! Transforms of meshes and objects into the world.
 
-use glam::{Affine3A, DAffine3, Vec3};
+use glam::{Affine3A, DAffine3, DMat3, Mat3, Vec3};
 use halfdome_kernel::scene::Item;
 use rayon::prelude::*;
 
@@ -10,6 +10,20 @@ use crate::scene::{Instance, Mesh, Scene};
 
 /// The least number of vertices for a thread.
 const PARALLEL: usize = 1 << 14;
+
+/// The transform, if normal maps say something else before it than after it, and if it has an inverse.
+fn map_space(linear: DMat3) -> Option<Mat3> {
+    /// How much the lengths of perpendicular directions may differ, which no picture shows.
+    const SIMILAR: f64 = 1e-4;
+    let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+    let scale = x.length_squared();
+    let differs = |found: f64, expected: f64| (found - expected).abs() > SIMILAR * scale;
+    let distorts = differs(y.length_squared(), scale)
+        || differs(z.length_squared(), scale)
+        || [x.dot(y), y.dot(z), z.dot(x)].into_iter().any(|it| differs(it, 0.0));
+    let has_inverse = linear.as_mat3().inverse().is_finite() && linear.as_mat3().determinant() != 0.0;
+    (distorts && has_inverse).then(|| linear.as_mat3())
+}
 
 impl Mesh {
     /// The mesh where a transform takes it. A transform that mirrors exchanges the second and the third corner of each
@@ -22,13 +36,15 @@ impl Mesh {
         if mirrors {
             self.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
-        let sign = if mirrors { -1.0 } else { 1.0 };
-        for corners in &mut self.tangents {
-            if mirrors {
-                corners.swap(1, 2);
-            }
-            for tangent in corners {
-                let along = (linear * tangent.truncate().as_dvec3()).normalize_or_zero().as_vec3();
+        if mirrors {
+            self.tangents.iter_mut().for_each(|corners| corners.swap(1, 2));
+        }
+        let from_map_space = linear * self.map_space.map_or(DMat3::IDENTITY, |space| space.as_dmat3());
+        self.map_space = self.map_space.and_then(|_| map_space(from_map_space));
+        if self.map_space.is_none() {
+            let sign = if from_map_space.determinant() < 0.0 { -1.0 } else { 1.0 };
+            for tangent in self.tangents.iter_mut().flatten() {
+                let along = (from_map_space * tangent.truncate().as_dvec3()).normalize_or_zero().as_vec3();
                 *tangent = along.extend(tangent.w * sign);
             }
         }
@@ -185,6 +201,23 @@ mod tests {
             assert!(turn.normal(mesh().normals[0]).distance(placed.normals[0]) < 1e-6);
             assert!(turn.tangent(mesh().tangents[0][0]).distance(placed.tangents[0][0]) < 1e-6);
         }
+    }
+
+    #[test]
+    fn the_space_of_normal_maps_is_kept_where_it_matters() {
+        let own = Mesh { map_space: Some(Mat3::IDENTITY), ..mesh() };
+        let turned = DAffine3::from_rotation_y(0.7) * DAffine3::from_scale(glam::DVec3::splat(-3.0));
+        let similar = own.clone().placed(&turned);
+        assert_eq!(similar, mesh().placed(&turned), "it is the mesh's own space, but for rounding");
+        let stretched = own.clone().placed(&DAffine3::from_scale(glam::DVec3::new(2.0, -1.0, 1.0)));
+        assert_eq!(stretched.map_space, Some(Mat3::from_diagonal(Vec3::new(2.0, -1.0, 1.0))));
+        assert_eq!(stretched.tangents, mesh().tangents);
+        // What flattens has no inverse: tangents follow it.
+        let flat = DAffine3::from_scale(glam::DVec3::new(2.0, 0.0, 1.0));
+        assert_eq!(own.placed(&flat).map_space, None);
+        // Back again.
+        let back = stretched.placed(&DAffine3::from_scale(glam::DVec3::new(0.5, -1.0, 1.0)));
+        assert_eq!((back.map_space, back.tangents), (None, mesh().tangents));
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Tangents for meshes that have none: MikkTSpace (Mikkelsen 2008), by which most programs make their normal maps.
 //!
-//! It is given texture coordinates with v upwards, so that bitangents point up in pictures, as glTF has them.
+//! It is given texture coordinates with v upwards, so that bitangents point up in pictures, as glTF has them, and
+//! positions and normals in the coordinates in which normal maps apply.
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
-use glam::{Vec3, Vec4};
+use glam::{DMat3, Mat3, Vec3, Vec4};
 
 use crate::scene::{Mesh, Scene};
 
@@ -22,7 +23,10 @@ impl Scene {
 
 /// Tangents of all corners, from texture coordinates of this set.
 pub(super) fn tangents(mesh: &Mesh, set: u32) -> Vec<[Vec4; 3]> {
-    let mut work = Work { mesh, set, tangents: vec![[Vec4::ZERO; 3]; mesh.triangles.len()] };
+    let space = mesh.map_space.unwrap_or(Mat3::IDENTITY).as_dmat3();
+    let tangents = vec![[Vec4::ZERO; 3]; mesh.triangles.len()];
+    let order = if space.determinant() < 0.0 { [0, 2, 1] } else { [0, 1, 2] };
+    let mut work = Work { mesh, set, from_mesh: space.inverse(), normals: space.transpose(), order, tangents };
     // The error has no value that could occur.
     let _ = generate_tangents(&mut work);
     work.tangents
@@ -31,13 +35,18 @@ pub(super) fn tangents(mesh: &Mesh, set: u32) -> Vec<[Vec4; 3]> {
 struct Work<'a> {
     mesh: &'a Mesh,
     set: u32,
+    /// Of positions and of normals, but for their length, to the coordinates in which normal maps apply.
+    from_mesh: DMat3,
+    normals: DMat3,
+    /// The corners of triangles as they are in order there.
+    order: [usize; 3],
     /// Zero where the direction is undefined.
     tangents: Vec<[Vec4; 3]>,
 }
 
 impl Work<'_> {
     fn corner(&self, face: usize, corner: usize) -> usize {
-        self.mesh.triangles[face][corner] as usize
+        self.mesh.triangles[face][self.order[corner]] as usize
     }
 }
 
@@ -51,15 +60,19 @@ impl Geometry for Work<'_> {
     }
 
     fn position(&self, face: usize, corner: usize) -> [f32; 3] {
-        self.mesh.positions[self.corner(face, corner)].to_array()
+        (self.from_mesh * self.mesh.positions[self.corner(face, corner)].as_dvec3()).as_vec3().to_array()
     }
 
     fn normal(&self, face: usize, corner: usize) -> [f32; 3] {
-        if let Some(normal) = self.mesh.normals.get(self.corner(face, corner)) {
-            return normal.to_array();
-        }
-        let [a, b, c] = self.mesh.corners(face).map(Vec3::as_dvec3);
-        (b - a).cross(c - a).normalize_or_zero().as_vec3().to_array()
+        let normal = match self.mesh.normals.get(self.corner(face, corner)) {
+            Some(normal) if self.mesh.map_space.is_none() => return normal.to_array(),
+            Some(normal) => normal.as_dvec3(),
+            None => {
+                let [a, b, c] = self.mesh.corners(face).map(Vec3::as_dvec3);
+                (b - a).cross(c - a)
+            }
+        };
+        (self.normals * normal).normalize_or_zero().as_vec3().to_array()
     }
 
     fn tex_coord(&self, face: usize, corner: usize) -> [f32; 2] {
@@ -70,6 +83,7 @@ impl Geometry for Work<'_> {
 
     fn set_tangent(&mut self, tangent: Option<TangentSpace>, face: usize, corner: usize) {
         let tangent = tangent.map_or(Vec4::ZERO, |tangent| Vec4::from(tangent.tangent_encoded()));
+        let corner = self.order[corner];
         self.tangents[face][corner] = if tangent.is_finite() { tangent } else { Vec4::ZERO };
     }
 }

@@ -27,6 +27,16 @@ impl Turn {
         Self { linear, normals, side: if linear.determinant() < 0.0 { -1.0 } else { 1.0 } }
     }
 
+    /// The turn after a transform with this linear part.
+    pub(super) fn after(&self, linear: Mat3) -> Self {
+        Self::new(self.linear * linear)
+    }
+
+    /// The normal that is turned to this one, as long.
+    pub(super) fn normal_before(&self, normal: Vec3) -> Vec3 {
+        (self.linear.transpose() * normal).normalize_or_zero() * normal.length()
+    }
+
     /// A direction across the surface, with its length.
     pub(crate) fn vector(&self, vector: Vec3) -> Vec3 {
         self.linear * vector

@@ -3,7 +3,7 @@
 
 use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked;
-use glam::DAffine3;
+use glam::{DAffine3, Mat3};
 
 use super::attributes::{Attributes, Vertices};
 use super::skin::Skin;
@@ -72,6 +72,8 @@ pub(super) fn read(
     let Vertices { positions, normals, tangents } = moved;
     let corners = |corners: &[u32; 3]| corners.map(|index| tangents[index as usize]);
     let tangents = if tangents.is_empty() { Vec::new() } else { triangles.iter().map(corners).collect() };
+    // A skin takes vertices to the world in another way.
+    let bends_before_scaling = document.is_from_blender() && deformation.skin_of(primitive).is_none();
     let mesh = Mesh {
         name: String::new(),
         normals,
@@ -80,6 +82,7 @@ pub(super) fn read(
         colors: attributes.colors(vertices)?,
         positions,
         tangents,
+        map_space: bends_before_scaling.then_some(Mat3::IDENTITY),
         triangles,
         material,
         ..Mesh::default()

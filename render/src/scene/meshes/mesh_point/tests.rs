@@ -1,4 +1,4 @@
-use glam::{Affine2, Vec2};
+use glam::{Affine2, DAffine3, Mat3, Vec2};
 
 use super::*;
 use crate::scene::{Channel, ColorSpace, GltfAnisotropy, Input, Opacity, Scene, TextureFilter};
@@ -162,4 +162,44 @@ fn anisotropy_turns_the_tangent() {
     near(found(&material, 0.3).frame.tangent, Vec3::NEG_X);
     assert_eq!(found(&material, 0.1).inputs.specular_anisotropy, 1.0);
     assert_eq!(found(&material, 0.9).inputs.specular_anisotropy, 0.0);
+}
+
+#[test]
+fn normal_maps_apply_before_a_transform_that_distorts_if_the_mesh_asks_for_it() {
+    // Normals that lean to the right, up, and both, as the map says them.
+    let texels = [[218, 128, 218, 255], [128, 218, 218, 255], [200, 40, 200, 255], [128, 128, 255, 255]];
+    let texture = quarters(texels);
+    let map = NormalMap { texture: linear(0), scale: Vec2::ONE };
+    let mut material = Material { normal_map: Some(map.clone()), ..Material::default() };
+    material.coat_normal = CoatNormal::Map(map);
+    for smooth in [false, true] {
+        for linear in [
+            Mat3::from_diagonal(Vec3::new(4.0, 0.5, 0.1)),
+            Mat3::from_diagonal(Vec3::new(-1.0, 2.0, 1.0)),
+            Mat3::from_rotation_x(0.4) * Mat3::from_diagonal(Vec3::new(1.0, 3.0, 1.0)) * Mat3::from_rotation_z(0.6),
+        ] {
+            let own = Mesh { map_space: Some(Mat3::IDENTITY), ..square(smooth) };
+            let to_world = DAffine3::from_mat3_translation(linear.as_dmat3(), DVec3::ONE);
+            let placed = own.clone().placed(&to_world);
+            let turn = Turn::new(linear);
+            let up = turn.normal(Vec3::Z);
+            for (x, texel) in [0.1, 0.3, 0.6, 0.9].into_iter().zip(texels) {
+                let leaning = Vec3::from([0, 1, 2].map(|it| f32::from(texel[it]) / 255.0 * 2.0 - 1.0));
+                let expected = (linear.inverse().transpose() * leaning).normalize();
+                // The corners of triangles change places where the transform mirrors: both orders are looked at.
+                let by_mesh = |mesh: &Mesh, turn: Option<Turn>| {
+                    let mirrored = mesh.triangles[0] == [0, 2, 1];
+                    at(mesh.clone(), &material, std::slice::from_ref(&texture), x, 0.05, |point| {
+                        let [a, b, c] = point.weights;
+                        let weights = if mirrored { [a, c, b] } else { [a, b, c] };
+                        let point = MeshPoint { weights, turn, ..*point };
+                        [material.frame_at(&point, up).normal, material.coat_normal_at(&point, up).unwrap()]
+                    })
+                };
+                for found in [by_mesh(&placed, None), by_mesh(&own, Some(turn))].into_iter().flatten() {
+                    assert!(found.distance(expected) < 1e-5, "{linear} {texel:?}: {found}, not {expected}");
+                }
+            }
+        }
+    }
 }

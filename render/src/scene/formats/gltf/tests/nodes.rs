@@ -2,7 +2,7 @@
 
 use core::f32::consts::FRAC_PI_4;
 
-use glam::Vec3;
+use glam::{Mat3, Vec3};
 use serde_json::{Value, json};
 
 use super::*;
@@ -26,6 +26,20 @@ fn transforms_go_down_the_hierarchy() {
     // The inverse transpose of the scale takes (0.6, 0, 0.8) to (0.3, 0, 0.2) up to length; x then turns into y.
     let expected = Vec3::new(0.0, 0.3, 0.2).normalize();
     assert!(mesh.normals[2].distance(expected) < 1e-6);
+}
+
+#[test]
+fn blender_bends_normals_before_a_node_scales_them() {
+    let space = |generator: &str, scale: [f32; 3]| {
+        let mut document = with("/asset/generator", json!(generator));
+        document["nodes"] = json!([{"mesh": 0, "scale": scale}]);
+        one_mesh(parse(document).unwrap()).map_space
+    };
+    let [blender, other] = ["Khronos glTF Blender I/O v5.0.21", "another"];
+    let scale = [2.0, 3.0, 0.5];
+    assert_eq!(space(blender, scale), Some(Mat3::from_diagonal(Vec3::from(scale))));
+    assert_eq!(space(blender, [3.0; 3]), None, "before and after are the same");
+    assert_eq!(space(other, scale), None, "glTF bends them afterwards");
 }
 
 #[test]
