@@ -84,11 +84,12 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
             }
             let (end, spread_of_size) = light_end(light, start, u);
             // The spacing of a sun's photons is no angle.
-            let spacing = if let LightEnd::Point(_) = end { start.spacing } else { 0.0 };
+            let spacing = if let LightEnd::Point(_) = end { start.emission.spacing } else { 0.0 };
             if !surface.transmits && surface.normal.dot(start.direction) <= 0.0 {
                 continue;
             }
-            let Some(connection) = world.connection_from(surface, (end, start.reflection), start.direction) else {
+            let Some(connection) = world.connection_from(surface, (end, start.emission.reflection), start.direction)
+            else {
                 continue;
             };
             let is_known =
@@ -104,7 +105,7 @@ pub(crate) fn sample_reflected(world: &World, surface: &Surface, importance: f32
                 total += brought;
                 let share = brought / total;
                 if choice < share {
-                    let is_seen = start.reflection == Some(0) && has_size;
+                    let is_seen = start.emission.reflection == Some(0) && has_size;
                     chosen =
                         Some((ReflectedLight { light: index, direction, shadow: rest, received, is_seen }, brought));
                     choice /= share;
@@ -135,7 +136,7 @@ fn light_end(light: &PunctualLight, start: &Start, u: Vec2) -> (LightEnd, f32) {
         return direction_of_sun(direction, half_angle, u);
     }
     let (position, _, radius) = light.place().unwrap_or_default();
-    let across = Frame::from_normal(start.sent.normalize_or_zero()).to_world(PolarDisc.map(u).extend(0.0));
+    let across = Frame::from_normal(start.emission.sent.normalize_or_zero()).to_world(PolarDisc.map(u).extend(0.0));
     (LightEnd::Point(position + radius * across), 1.0)
 }
 

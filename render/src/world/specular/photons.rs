@@ -73,16 +73,22 @@ struct Sent {
 pub(crate) struct Start {
     /// The unit vector from the point in which light may come.
     pub direction: Vec3,
-    /// The kind of its chain.
-    pub reflection: Reflection,
+    pub emission: Emission,
     /// About how much light comes, as a part of what would come straight from the light.
     pub strength: f32,
-    /// The emission of a photon that arrives there (of a sun, its origin; of other lights, its direction), ...
-    pub sent: Vec3,
-    /// ... and how far apart photons were.
-    pub spacing: f32,
     /// The distance of the point from the middle of the footprint: the less, the likelier is a path near the start.
     off: f32,
+}
+
+/// How light that arrives at a point was sent.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Emission {
+    /// The kind of its chain.
+    pub reflection: Reflection,
+    /// Of a sun, the photon's origin; of other lights, its direction.
+    pub sent: Vec3,
+    /// How far apart photons were.
+    pub spacing: f32,
 }
 
 /// The starts for a point: memory that is not written before it is used, as most points have none.
@@ -112,9 +118,37 @@ struct Arrival {
     extent: Vec3,
 }
 
+/// A point's place in a footprint.
+struct Place {
+    /// `u` and `v`.
+    coordinates: Vec2,
+    /// The distance from the middle, 1 at the edge.
+    off: f32,
+}
+
 impl Photon {
     /// The start for a point that is within the footprint, or so far beside it.
     fn start(&self, point: Vec3, beside: f32) -> Option<Start> {
+        let place = self.place(point, beside)?;
+        let [u, v] = place.coordinates.to_array();
+        let exit = self.origin + u * self.d_origin[0] + v * self.d_origin[1];
+        Some(Start {
+            direction: (exit - point).normalize_or_zero(),
+            emission: self.emission(&place),
+            strength: self.irradiance,
+            off: place.off,
+        })
+    }
+
+    /// How light is sent that arrives at this place.
+    fn emission(&self, place: &Place) -> Emission {
+        let Sent { at, by } = self.sent;
+        let sent = at + place.coordinates.x * by[0] + place.coordinates.y * by[1];
+        Emission { reflection: self.reflection, sent, spacing: by[0].length() }
+    }
+
+    /// The place of a point that is within the footprint, or so far beside it.
+    fn place(&self, point: Vec3, beside: f32) -> Option<Place> {
         let t = (point - self.origin).dot(self.direction);
         if t <= 0.0 {
             return None;
@@ -134,15 +168,7 @@ impl Photon {
             return None;
         }
         let off = place.abs().max_element().max(rest / (FOLD * longest));
-        let exit = self.origin + place.x * self.d_origin[0] + place.y * self.d_origin[1];
-        Some(Start {
-            direction: (exit - point).normalize_or_zero(),
-            sent: self.sent.at + place.x * self.sent.by[0] + place.y * self.sent.by[1],
-            spacing: self.sent.by[0].length(),
-            reflection: self.reflection,
-            strength: self.irradiance,
-            off,
-        })
+        Some(Place { coordinates: place, off })
     }
 
     /// The change of the place where the photon is after a way, across it.
@@ -236,7 +262,7 @@ impl Starts {
     /// there is no place left. It then counts as strong as the stronger of both.
     fn add(&mut self, start: Start) {
         let kept = &mut self.0;
-        let same = kept.iter().position(|other| start.is_beside(other));
+        let same = kept.iter().position(|other| start.emission.is_beside(&other.emission));
         let worst = || kept.iter().enumerate().max_by(|a, b| a.1.off.total_cmp(&b.1.off)).map(|(i, _)| i);
         match same.or_else(|| if kept.len() == MAX_STARTS { worst() } else { None }) {
             Some(place) => {
@@ -249,7 +275,7 @@ impl Starts {
     }
 }
 
-impl Start {
+impl Emission {
     /// Whether a search from it finds what one from the other does.
     fn is_beside(&self, other: &Self) -> bool {
         self.reflection == other.reflection && self.sent.distance(other.sent) < self.spacing.min(other.spacing)

@@ -4,39 +4,23 @@
 //! it may light. A point asks one cell a level for photons of at least some irradiance. Most cells have none; a coarse
 //! grid tells which have, with all levels of a place side by side in memory.
 
+mod build;
+
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
 
 use glam::{IVec3, UVec3, Vec3};
 use halfdome_kernel::geometry::Aabb;
 
-use super::{Arrival, Photon, Start, Starts};
+pub(super) use self::build::Footprint;
+use super::{Photon, Starts};
 
-/// The least width of a cell, as a part of the body's radius.
-const MIN_CELL_IN_RADII: f32 = 0.01;
-/// The greatest extents of footprints of refracted and of reflected light, as parts of the body's radius: wider
-/// footprints are faint, but flat mirrors keep their light together.
-const MAX_EXTENTS: [f32; 2] = [0.5, 4.0];
-/// The least width of a cell, as a part of its distance from the origin.
-const MIN_CELL_IN_DISTANCES: f32 = 1e-6;
-/// The most photons of a cell.
-const MAX_OF_CELL: usize = 48;
 /// Cells for each part of the coarse grid, and the most parts along an axis.
 const CELLS_OF_PART: f32 = 4.0;
 const MAX_PARTS: f32 = 16.0;
 
 /// A map by cells.
 type ByCell<T> = HashMap<(i32, IVec3), T, BuildHasherDefault<CellHasher>>;
-
-/// Photons and their cells, while there come more.
-#[derive(Default)]
-pub(super) struct CellsBuilder {
-    photons: Vec<Photon>,
-    /// In a cell, by level and place, of photons whose starts are close to each other there, one, with its start in the middle.
-    cells: ByCell<Vec<(u32, Start)>>,
-    /// Around all footprints.
-    bounds: Option<Aabb>,
-}
 
 /// Photons and their cells.
 #[derive(Debug)]
@@ -75,91 +59,6 @@ struct CoarseGrid {
     parts_per_length: Vec3,
     /// By part, of each level the upper bound as an exponent (see [`exponent`]); 0 where there are no photons.
     greatest: Vec<u8>,
-}
-
-impl CellsBuilder {
-    /// Adds a photon that has arrived from a body of this radius.
-    pub(super) fn add(&mut self, arrival: &Arrival, radius: f32) {
-        let Arrival { photon, point, extent } = arrival;
-        let greatest = extent.max_element();
-        let limit = MAX_EXTENTS[usize::from(photon.reflection.is_some())] * radius;
-        if greatest.is_nan() || greatest > limit {
-            return;
-        }
-        // Cells far from the origin are no narrower than a few roundings of their coordinates.
-        let least = (MIN_CELL_IN_RADII * radius).max(MIN_CELL_IN_DISTANCES * point.abs().max_element());
-        let level = Level::new(greatest.max(least).log2().floor() as i32);
-        let index = self.photons.len() as u32;
-        self.photons.push(*photon);
-        let around = Aabb { min: *point - *extent, max: *point + *extent };
-        self.bounds = Some(self.bounds.map_or(around, |bounds| bounds.union(&around)));
-        let [min, max] = [around.min, around.max].map(|corner| level.cell(corner));
-        for z in min.z..=max.z {
-            for y in min.y..=max.y {
-                for x in min.x..=max.x {
-                    self.add_to(IVec3::new(x, y, z), level, index);
-                }
-            }
-        }
-    }
-
-    /// Stores a photon in a cell that it may light, unless the cell has a better one with a start close to its own.
-    fn add_to(&mut self, at: IVec3, level: Level, index: u32) {
-        let center = level.width * (at.as_vec3() + 0.5);
-        let Some(own) = self.photons[index as usize].start(center, level.width) else {
-            return;
-        };
-        let kept = self.cells.entry((level.exponent, at)).or_default();
-        match kept.iter().position(|(_, start)| own.is_beside(start)) {
-            Some(place) if own.off < kept[place].1.off => kept[place] = (index, own),
-            None if kept.len() < MAX_OF_CELL => kept.push((index, own)),
-            _ => {}
-        }
-    }
-
-    /// All of them, if there are any. Photons of neighbouring cells are close to each other in memory.
-    pub(super) fn finish(self) -> Option<Cells> {
-        let Self { photons, cells, bounds } = self;
-        let mut cells: Vec<_> = cells.into_iter().collect();
-        cells.sort_unstable_by_key(|((level, at), _)| (*level, at.z, at.y, at.x));
-        let mut levels: Vec<Level> = Vec::new();
-        for ((exponent, _), _) in &cells {
-            if levels.last().is_none_or(|level| level.exponent != *exponent) {
-                levels.push(Level::new(*exponent));
-            }
-        }
-        let mut all = Cells {
-            photons: Vec::new(),
-            entries: Vec::new(),
-            cells: ByCell::default(),
-            coarse: CoarseGrid::new(&bounds?, cells.len(), levels.len()),
-            levels,
-            bounds: bounds?,
-        };
-        let mut places = vec![None; photons.len()];
-        for ((exponent, at), kept) in cells {
-            let first = all.entries.len();
-            // Without those of NaN.
-            for (index, _) in kept.into_iter().filter(|&(index, _)| photons[index as usize].irradiance >= 0.0) {
-                let photon = *places[index as usize].get_or_insert_with(|| {
-                    all.photons.push(photons[index as usize]);
-                    all.photons.len() as u32 - 1
-                });
-                all.entries.push(Entry { irradiance: photons[index as usize].irradiance, photon });
-            }
-            let entries = &mut all.entries[first..];
-            entries.sort_by(|a, b| b.irradiance.total_cmp(&a.irradiance));
-            all.cells.insert((exponent, at), (first as u32, entries.len() as u32));
-            if let (Some(entry), Some(level)) =
-                (entries.first(), all.levels.iter().position(|level| level.exponent == exponent))
-            {
-                let width = all.levels[level].width;
-                let corners = [at, at.saturating_add(IVec3::ONE)].map(|at| width * at.as_vec3());
-                all.coarse.add(corners, level, entry.irradiance);
-            }
-        }
-        Some(all)
-    }
 }
 
 impl Cells {
@@ -276,7 +175,7 @@ mod tests {
     use halfdome_kernel::sampling::Stream;
 
     use super::*;
-    use crate::world::specular::photons::Sent;
+    use crate::world::specular::photons::{Arrival, Sent};
 
     /// A vector in [0, 1)³.
     fn place(i: u32, set: u32) -> Vec3 {
@@ -286,8 +185,7 @@ mod tests {
 
     /// Photons of many sizes and strengths that arrive in a flat box, sent from places far apart.
     fn cells(count: u32) -> Cells {
-        let mut cells = CellsBuilder::default();
-        for i in 0..count {
+        let footprint = |i| {
             let (point, numbers) = (place(i, 0) * vec3(10.0, 3.0, 0.0) - vec3(2.0, 1.0, 0.0), place(i, 1));
             let extent = 2e-2 * (40.0 * numbers.x).max(1.0);
             let photon = Photon {
@@ -300,9 +198,9 @@ mod tests {
                 reflection: Some(0),
                 irradiance: (20.0 * numbers.y - 15.0).exp2(),
             };
-            cells.add(&Arrival { photon, point, extent: vec3(extent, extent, 0.0) }, 1.0);
-        }
-        cells.finish().unwrap()
+            Footprint::new(&Arrival { photon, point, extent: vec3(extent, extent, 0.0) }, 1.0)
+        };
+        Cells::new(&(0..count).filter_map(footprint).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]
@@ -337,7 +235,8 @@ mod tests {
                 starts.0.clear();
                 cells.find(point, least, &mut starts);
                 assert!(starts.iter().all(|start| start.strength >= least));
-                let is_there = starts.iter().any(|start| start.sent.distance(photon.sent.at) <= start.spacing);
+                let is_there =
+                    starts.iter().any(|start| start.emission.sent.distance(photon.sent.at) <= start.emission.spacing);
                 assert_eq!(is_there, photon.irradiance >= least, "{photon:?}");
                 *count += usize::from(is_there);
             }

@@ -9,7 +9,7 @@ use halfdome_kernel::sampling::Frame;
 use halfdome_kernel::sampling::warp::{PolarDisc, UniformSphere, Warp};
 use rayon::prelude::*;
 
-use super::cells::CellsBuilder;
+use super::cells::{Cells, Footprint};
 use super::{Arrival, FOLD, Photon, Sent};
 use crate::scene::{Mesh, PunctualLight};
 use crate::world::specular::chain::{DifferentialRay, Reflection};
@@ -55,20 +55,16 @@ impl World {
         let of_light = PHOTONS / lights.len().max(1);
         let count = (of_light / bodies.len().max(1)).clamp(OF_BODY[0], OF_BODY[1]);
         let follow = |&(light, index): &(&PunctualLight, u32)| {
-            let [mut refracted, mut reflected] = [(); 2].map(|()| CellsBuilder::default());
             // The bodies that look largest from the light.
             let mut bodies = bodies.clone();
             bodies.sort_by(|a, b| b.size_from(light).total_cmp(&a.size_from(light)));
-            for body in bodies.iter().take(of_light / count) {
-                for (beam, blur) in (0..count).filter_map(|i| self.photon(light, *body, i, count)) {
-                    let flight = Flight::new(beam, blur);
-                    self.follow(flight, &mut |arrival| {
-                        let is_reflected = arrival.photon.reflection.is_some();
-                        (if is_reflected { &mut reflected } else { &mut refracted }).add(&arrival, body.radius);
-                    });
-                }
-            }
-            [refracted, reflected].map(|cells| (index, cells.finish()))
+            bodies.truncate(of_light / count);
+            let by_body: Vec<_> = bodies.par_iter().map(|body| self.footprints(light, *body, count)).collect();
+            let [refracted, reflected]: [Vec<_>; 2] = by_body.into_iter().unzip().into();
+            [refracted, reflected].map(|footprints| {
+                let footprints: Vec<Footprint> = footprints.into_iter().flatten().collect();
+                (index, Cells::new(&footprints))
+            })
         };
         let arrived: Vec<_> = lights.par_iter().map(follow).collect();
         for [refracted, reflected] in arrived {
@@ -78,6 +74,19 @@ impl World {
                 map.lights.extend(photons.map(|photons| (index, photons)));
             }
         }
+    }
+
+    /// The footprints of photons of a light that a body refracts, and that it reflects.
+    fn footprints(&self, light: &PunctualLight, body: Body, count: usize) -> (Vec<Footprint>, Vec<Footprint>) {
+        let (mut refracted, mut reflected) = (Vec::new(), Vec::new());
+        for (beam, blur) in (0..count).filter_map(|i| self.photon(light, body, i, count)) {
+            self.follow(Flight::new(beam, blur), &mut |arrival| {
+                let is_reflected = arrival.photon.reflection.is_some();
+                let footprints = if is_reflected { &mut reflected } else { &mut refracted };
+                footprints.extend(Footprint::new(&arrival, body.radius));
+            });
+        }
+        (refracted, reflected)
     }
 
     /// Balls around meshes of smooth glass and mirrors, and around their instances.
