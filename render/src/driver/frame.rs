@@ -11,17 +11,10 @@ use super::mattes::MatteIds;
 use super::motion_vectors::MotionVectors;
 use crate::camera::{Camera, FilmPoint, FilmSample, MovingCamera};
 use crate::film::{FilterSample, FilterSampler, FirstHit, Tile};
-use crate::integrator::{self, LightPaths, Prepared, RayBatch, Scratch};
+use crate::integrator::{self, FILM_SET, LENS_SET, LightPaths, Prepared, RayBatch, Scratch, TIME_SET};
 use crate::lpe::Event;
 use crate::settings::{MatteKind, Settings};
 use crate::world::{Hit, World};
-
-/// The set of random numbers that places a sample on the film.
-const FILM_SET: u32 = 0;
-/// The set of random numbers for the lens: no integrator uses it, so that a lens changes no other number.
-const LENS_SET: u32 = u32::MAX;
-/// The set that places it in the time that the shutter is open.
-const TIME_SET: u32 = u32::MAX - 1;
 
 /// Camera rays that are traced together, and their memory, which the next batch uses again.
 #[derive(Default)]

@@ -84,8 +84,13 @@ impl Prepared {
     }
 }
 
-/// The camera uses the sets of random numbers before this one.
+/// The first set of random numbers of integrators.
 pub(crate) const FIRST_SET: u32 = 1;
+/// The sets that place a sample on the film, on the lens and in the time that the shutter is open: no integrator uses them, so
+/// that a lens changes no other number.
+pub(crate) const FILM_SET: u32 = 0;
+pub(crate) const LENS_SET: u32 = u32::MAX;
+pub(crate) const TIME_SET: u32 = u32::MAX - 1;
 
 /// Makes what the integrator needs before the first sample; a cache from before goes into it. Gives the rays traced.
 pub(crate) fn prepare(world: &World, settings: &Settings, cache: Option<Cache>, watch: &dyn Watch) -> (Prepared, u64) {

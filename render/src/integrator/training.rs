@@ -10,7 +10,7 @@ use halfdome_kernel::sampling::Sampler;
 use rayon::prelude::*;
 
 use super::path::{PathObservers, Trainer, radiance};
-use super::{FIRST_SET, RayBatch, Wavefront};
+use super::{FILM_SET, FIRST_SET, LENS_SET, RayBatch, TIME_SET, Wavefront};
 use crate::camera::{Camera, FilmPoint, FilmSample};
 use crate::guide::{Guide, GuideSample};
 use crate::settings::{PathOptions, Settings};
@@ -20,10 +20,6 @@ use crate::world::{Hit, World};
 const BATCH: u32 = 4096;
 /// Paths of the first round, if there are as many.
 const FIRST_ROUND: u32 = 1 << 14;
-/// The sets of numbers that place paths on the film, on the lens and in time; bounces have those in between.
-const FILM_SET: u32 = 0;
-const LENS_SET: u32 = u32::MAX;
-const TIME_SET: u32 = u32::MAX - 1;
 
 /// Traces this many paths of the picture, in rounds; returns the guide and the number of rays.
 pub(super) fn train(world: &World, settings: &Settings, options: &PathOptions, paths: u32) -> (Option<Guide>, u64) {

@@ -204,6 +204,20 @@ mod tests {
     }
 
     #[test]
+    fn cells_do_not_depend_on_the_number_of_threads() {
+        let by = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let cells = pool.install(|| cells(300));
+            let mut places: Vec<_> =
+                cells.cells.iter().map(|((level, at), range)| (*level, at.to_array(), *range)).collect();
+            places.sort_unstable();
+            format!("{places:?} {:?} {:?} {:?}", cells.entries, cells.photons, cells.coarse)
+        };
+        let expected = by(1);
+        assert!([2, 3, 8].into_iter().all(|threads| by(threads) == expected));
+    }
+
+    #[test]
     fn the_coarse_grid_hides_no_photon() {
         let cells = cells(2000);
         assert!(cells.levels.len() > 4 && cells.coarse.count > 4, "{} {}", cells.levels.len(), cells.coarse.count);
