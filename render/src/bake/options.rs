@@ -168,7 +168,7 @@ impl Default for BakeOptions {
             size: 1024,
             density: None,
             gutter: None,
-            spp: 64,
+            spp: 256,
             brute: false,
             cache: CachedOptions::default(),
             ao_distance: None,
