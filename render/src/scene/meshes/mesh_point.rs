@@ -3,10 +3,10 @@
 //! # Normals
 //!
 //! Normal maps are read as MikkTSpace defines them: `n = x T + y B + z N` with tangent `T` and normal `N` as they are
-//! interpolated, not normalised, and `B = w N × T`, in the coordinates of [`Mesh::map_space`]. Bump maps follow Blinn 1978 in Mikkelsen's form (2010): `n ∥ N -
-//! (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central difference over one texel. Both give the
-//! normal on the front. Deviation: normals that point below the surface are handled in shading, where the direction of
-//! light is known.
+//! interpolated, not normalised, and `B = w N × T`, in the coordinates of [`Mesh::map_space`]. Bump maps follow Blinn
+//! 1978 in Mikkelsen's form (2010): `n ∥ N - (h_u (P_v × N) + h_v (N × P_u)) / (N · (P_u × P_v))`, with `h_u` a central
+//! difference over one texel. Both give the normal on the front. Deviation: normals that point below the surface are
+//! handled in shading, where the direction of light is known.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 

@@ -35,8 +35,6 @@ impl Mesh {
         let mirrors = linear.determinant() < 0.0;
         if mirrors {
             self.triangles.iter_mut().for_each(|corners| corners.swap(1, 2));
-        }
-        if mirrors {
             self.tangents.iter_mut().for_each(|corners| corners.swap(1, 2));
         }
         let from_map_space = linear * self.map_space.map_or(DMat3::IDENTITY, |space| space.as_dmat3());
