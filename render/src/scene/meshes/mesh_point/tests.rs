@@ -172,6 +172,7 @@ fn normal_maps_apply_before_a_transform_that_distorts_if_the_mesh_asks_for_it() 
     let map = NormalMap { texture: linear(0), scale: Vec2::ONE };
     let mut material = Material { normal_map: Some(map.clone()), ..Material::default() };
     material.coat_normal = CoatNormal::Map(map);
+    material.anisotropy = Some(GltfAnisotropy { strength: 0.5, is_by_blender: false, map: None });
     for smooth in [false, true] {
         for linear in [
             Mat3::from_diagonal(Vec3::new(4.0, 0.5, 0.1)),
@@ -186,6 +187,7 @@ fn normal_maps_apply_before_a_transform_that_distorts_if_the_mesh_asks_for_it() 
             for (x, texel) in [0.1, 0.3, 0.6, 0.9].into_iter().zip(texels) {
                 let leaning = Vec3::from([0, 1, 2].map(|it| f32::from(texel[it]) / 255.0 * 2.0 - 1.0));
                 let expected = (linear.inverse().transpose() * leaning).normalize();
+                let along = (linear * Vec3::X).reject_from_normalized(expected).normalize();
                 // The corners of triangles change places where the transform mirrors: both orders are looked at.
                 let by_mesh = |mesh: &Mesh, turn: Option<Turn>| {
                     let mirrored = mesh.triangles[0] == [0, 2, 1];
@@ -193,11 +195,13 @@ fn normal_maps_apply_before_a_transform_that_distorts_if_the_mesh_asks_for_it() 
                         let [a, b, c] = point.weights;
                         let weights = if mirrored { [a, c, b] } else { [a, b, c] };
                         let point = MeshPoint { weights, turn, ..*point };
-                        [material.frame_at(&point, up).normal, material.coat_normal_at(&point, up).unwrap()]
+                        (material.frame_at(&point, up), material.coat_normal_at(&point, up).unwrap())
                     })
                 };
-                for found in [by_mesh(&placed, None), by_mesh(&own, Some(turn))].into_iter().flatten() {
-                    assert!(found.distance(expected) < 1e-5, "{linear} {texel:?}: {found}, not {expected}");
+                for (ShadingFrame { normal, tangent }, coat) in [by_mesh(&placed, None), by_mesh(&own, Some(turn))] {
+                    assert!(normal.distance(expected) < 1e-5, "{linear} {texel:?}: {normal}, not {expected}");
+                    assert!(coat.distance(expected) < 1e-5, "{linear} {texel:?}: {coat}, not {expected}");
+                    assert!(tangent.distance(along) < 1e-5, "{linear} {texel:?}: {tangent}, not {along}");
                 }
             }
         }
