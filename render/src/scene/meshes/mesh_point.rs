@@ -90,10 +90,12 @@ impl<'a> MeshPoint<'a> {
     /// The normal by a map, where `normal` is the one by the vertices, not normalised; `None` if the mesh has no
     /// tangents.
     fn mapped_normal(&self, map: &NormalMap, normal: Vec3) -> Option<Vec3> {
-        let texel = self.texel(&map.texture);
-        let Some(turn) = self.map_turn() else { return Some(map.normal(texel, normal, self.tangent()?)) };
         let tangent = self.mix(*self.mesh.tangents.get(self.triangle)?);
-        Some(turn.normal(map.normal(texel, turn.normal_before(normal), tangent)))
+        let texel = self.texel(&map.texture);
+        Some(match self.map_turn() {
+            Some(turn) => turn.normal(map.normal(texel, turn.normal_before(normal), tangent)),
+            None => map.normal(texel, normal, self.turn.map_or(tangent, |turn| turn.tangent(tangent))),
+        })
     }
 
     /// The colour of the vertices; white if they have none.
@@ -171,7 +173,7 @@ impl Material {
             normal = map.normal(point, normal.normalize_or(interpolated));
         }
         let normal = normal.normalize_or(interpolated.normalize_or(Vec3::Z));
-        let tangent = point.tangent().filter(|_| self.is_anisotropic()).and_then(|tangent| {
+        let tangent = self.is_anisotropic().then(|| point.tangent()).flatten().and_then(|tangent| {
             let along = tangent.truncate().reject_from(normal).try_normalize()?;
             let bitangent = normal.cross(along) * tangent.w.signum();
             Some(self.turned(point, along, bitangent))

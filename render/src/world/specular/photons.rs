@@ -73,6 +73,7 @@ struct Sent {
 pub(crate) struct Start {
     /// The unit vector from the point in which light may come.
     pub direction: Vec3,
+    /// How that light was sent.
     pub emission: Emission,
     /// About how much light comes, as a part of what would come straight from the light.
     pub strength: f32,

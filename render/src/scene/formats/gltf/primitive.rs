@@ -72,8 +72,6 @@ pub(super) fn read(
     let Vertices { positions, normals, tangents } = moved;
     let corners = |corners: &[u32; 3]| corners.map(|index| tangents[index as usize]);
     let tangents = if tangents.is_empty() { Vec::new() } else { triangles.iter().map(corners).collect() };
-    // A skin takes vertices to the world in another way.
-    let bends_before_scaling = document.is_from_blender() && deformation.skin_of(primitive).is_none();
     let mesh = Mesh {
         name: String::new(),
         normals,
@@ -82,7 +80,7 @@ pub(super) fn read(
         colors: attributes.colors(vertices)?,
         positions,
         tangents,
-        map_space: bends_before_scaling.then_some(Mat3::IDENTITY),
+        map_space: document.is_from_blender().then_some(Mat3::IDENTITY),
         triangles,
         material,
         ..Mesh::default()

@@ -63,7 +63,7 @@ impl Cells {
     pub(in crate::world::specular::photons) fn new(footprints: &[Footprint]) -> Option<Self> {
         let bounds = footprints.iter().map(|it| it.around).reduce(|all, around| all.union(&around))?;
         let parts = rayon::current_num_threads() as i64;
-        let sorted: Vec<_> = (0..parts).into_par_iter().map(|part| sort(footprints, (part, parts))).collect();
+        let sorted: Vec<_> = (0..parts).into_par_iter().map(|part| cells_of_part(footprints, (part, parts))).collect();
         let mut cells: Vec<_> = sorted.into_iter().flatten().collect();
         cells.sort_unstable_by_key(|((level, at), _)| (*level, at.z, at.y, at.x));
         let mut levels: Vec<Level> = Vec::new();
@@ -111,7 +111,7 @@ impl Cells {
 }
 
 /// The cells of one of several parts of space, with their photons.
-fn sort(footprints: &[Footprint], (part, parts): (i64, i64)) -> ByCell<KeptPhotons> {
+fn cells_of_part(footprints: &[Footprint], (part, parts): (i64, i64)) -> ByCell<KeptPhotons> {
     let mut cells = ByCell::<KeptPhotons>::default();
     for (index, Footprint { photon, level, around }) in footprints.iter().enumerate() {
         let level = Level::new(*level);
