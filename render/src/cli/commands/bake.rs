@@ -70,8 +70,8 @@ pub(crate) struct BakeArguments {
     directional: Directional,
 
     /// Samples of direct light per texel; with --mode ao, rays per texel
-    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy", default_value = "64")]
-    #[arg(value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_hyphen_values = true, conflicts_with = "accuracy")]
+    #[arg(default_value_t = BakeOptions::default().spp, value_parser = clap::value_parser!(u32).range(1..))]
     spp: u32,
 
     /// Gather at every texel, without an irradiance cache, with the rays of a record
@@ -87,8 +87,8 @@ pub(crate) struct BakeArguments {
     denoise: bool,
 
     /// Largest width and height of a page in texels
-    #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, default_value = "1024", help_heading = "Layout")]
-    #[arg(value_parser = clap::value_parser!(u32).range(SIZES))]
+    #[arg(long, value_name = "TEXELS", allow_hyphen_values = true, help_heading = "Layout")]
+    #[arg(default_value_t = BakeOptions::default().size, value_parser = clap::value_parser!(u32).range(SIZES))]
     size: u32,
 
     /// Texels per unit of length, on as many pages as that takes [default: what fits on one page]
@@ -337,4 +337,19 @@ fn texel_progress(style: Style, work: u64, begin: Instant, options: &BakeOptions
 fn positive(text: &str) -> Result<f32, String> {
     let number = text.parse().ok().filter(|number: &f32| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a number greater than 0".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Command, FromArgMatches};
+
+    use super::*;
+
+    #[test]
+    fn defaults_are_those_of_the_library() {
+        let command = BakeArguments::augment_args(Command::new("bake"));
+        let matches = command.get_matches_from(["bake", "level.glb", "-o", "baked.glb"]);
+        let arguments = BakeArguments::from_arg_matches(&matches).unwrap();
+        assert_eq!(arguments.options(None, 0).unwrap(), BakeOptions::default());
+    }
 }
