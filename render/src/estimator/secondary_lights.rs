@@ -109,7 +109,7 @@ mod tests {
             LitPart { cell, light, reach: reach.clone() }
         });
         world.lights.lit = SecondaryLights::new(parts.collect(), division, 4);
-        world.lights.lit.aim_from(0.2, 1.0);
+        world.lights.lit.aim_from(0.2, 1.0, false);
         world
     }
 

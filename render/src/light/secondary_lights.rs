@@ -54,6 +54,8 @@ pub(crate) struct SecondaryLights {
     worth: f32,
     /// The mean irradiance of other surfaces, likewise.
     elsewhere: f32,
+    /// Whether they are so large that the many rays of a gather find them.
+    are_large: bool,
 }
 
 /// A secondary light that was chosen.
@@ -81,19 +83,22 @@ impl SecondaryLights {
         let by_power: f64 = lights.iter().map(|it| f64::from(it.area * it.radiance * it.radiance)).sum();
         let radiance = (by_power / power) as f32;
         let table = PartTable::new(parts.iter().map(|part| &part.cell), division_of, triangles);
-        Self { tree: Tree::build(&lights), parts, table, radiance, worth: 0.0, elsewhere: 0.0 }
+        Self { tree: Tree::build(&lights), parts, table, radiance, ..Self::default() }
     }
 
     /// Paths sample secondary lights where their total irradiance is `worth`, as luminance, and rarely where it is
-    /// less; `elsewhere` is the mean irradiance by all other surfaces.
-    pub(crate) fn aim_from(&mut self, worth: f32, elsewhere: f32) {
-        (self.worth, self.elsewhere) = (worth, elsewhere);
+    /// less; `elsewhere` is the mean irradiance by all other surfaces. Gathers sample none that `are_large`.
+    pub(crate) fn aim_from(&mut self, worth: f32, elsewhere: f32, are_large: bool) {
+        (self.worth, self.elsewhere, self.are_large) = (worth, elsewhere, are_large);
     }
 
     /// The number of aimed rays for a receiver that sends so many other rays, evenly spread: by about what part of its
     /// irradiance secondary lights cause if nothing is in between. Where several of the others find them, fewer are
     /// worth it.
     pub(crate) fn aimed_rays(&self, receiver: &Receiver, others: usize) -> u32 {
+        if self.are_large {
+            return 0;
+        }
         let irradiance = self.tree.as_ref().map_or(0.0, |tree| total(&tree.root_weights(receiver)));
         if irradiance <= 0.0 {
             return 0;
@@ -119,6 +124,12 @@ impl SecondaryLights {
     #[inline(always)]
     pub(crate) fn has_any(&self) -> bool {
         self.tree.is_some()
+    }
+
+    /// Whether they are so large that the many rays of a gather find them.
+    #[inline(always)]
+    pub(crate) fn are_large(&self) -> bool {
+        self.are_large
     }
 
     /// The probability that a surface of a path samples a secondary light, by their total estimated irradiance.

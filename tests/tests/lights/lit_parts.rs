@@ -64,3 +64,19 @@ fn aiming_at_a_curtain_before_the_sky() {
     scene.materials.push(Material { inputs, ..Material::default() });
     compare_in(&scene, 1.5);
 }
+
+/// The part of the ceiling that a spot light shines at sends most of the light.
+#[test]
+fn aiming_at_a_ceiling_above_an_uplight() {
+    let mut scene = room([[1.4, 1.6], [1.8, 2.0]]);
+    scene.lights.push(PunctualLight::Spot {
+        position: Vec3::new(1.5, 1.2, 2.5),
+        direction: Vec3::Y,
+        intensity: Vec3::splat(30.0),
+        radius: 0.0,
+        cos_inner: 0.95,
+        cos_outer: 0.94,
+        edge: Default::default(),
+    });
+    compare_in(&scene, 1.3);
+}

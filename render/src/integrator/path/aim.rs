@@ -76,11 +76,15 @@ fn kept_beside_aimed(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
 
 impl Advance<'_, '_> {
     /// Whether paths aim at secondary lights, and weigh what they find there. A threshold would end the two paths to one
-    /// point at different throughputs, and what only one of them finds would be lost.
+    /// point at different throughputs, and what only one of them finds would be lost. Those that begin where rays of
+    /// gathers end are so many that they find large ones.
     #[inline(always)]
     pub(super) fn aims(&self) -> bool {
         let ends_by_chance = !matches!(self.options.stop, Stop::Threshold { .. });
-        self.world.lights.lit.has_any() && self.options.lights == LightSampling::Mis && ends_by_chance
+        let are_many = self.batch.density == 0.0;
+        let lit = &self.world.lights.lit;
+        let pays = lit.has_any() && !(are_many && lit.are_large());
+        pays && self.options.lights == LightSampling::Mis && ends_by_chance
     }
 
     /// Samples secondary lights from the block's surfaces. Such paths continue behind all others.

@@ -26,8 +26,10 @@ const FIERCE: f32 = 8.0;
 /// If paths aimed at each surface, their time would grow by about this multiple; the first if all parts are fierce.
 const FIERCE_TIME: f32 = 1.5;
 const AIMED_TIME: f32 = 3.5;
-/// The greatest product of variance and time, relative to that without secondary lights.
+/// The greatest product of variance and time, relative to that without secondary lights; the second for large parts, of
+/// which the estimate is too hopeful: found by trial.
 const MAX_PRODUCT: f32 = 0.9;
+const MAX_LARGE_PRODUCT: f32 = 0.7;
 /// The variance of what the estimate does not know of, such as deeper bounces, relative to the squared radiance.
 const UNKNOWN: f32 = 0.5;
 /// Candidates that are chosen for each point.
@@ -42,6 +44,8 @@ pub(super) struct AimPlan {
     pub parts: Vec<LitPart>,
     /// The irradiance of all parts from which on each path aims.
     pub worth: f32,
+    /// Whether they send most of the light, and are not fierce: then they are so large that many rays find them.
+    pub are_large: bool,
 }
 
 /// A candidate that was chosen for a point.
@@ -89,10 +93,7 @@ impl World {
             let bright = tries.iter().flatten().filter(|it| it.is_seen && it.radiance >= limit);
             bright.map(|it| it.received).sum::<f32>() / views.len() as f32
         };
-        // What sends most of the light, and is not fierce, is so large that bounces find it.
-        if !is_fierce && received(least) > mean {
-            return None;
-        }
+        let are_large = !is_fierce && received(least) > mean;
         let (limits, aimed_time) =
             if is_fierce { (vec![least], FIERCE_TIME) } else { (vec![least, FIERCE * mean], AIMED_TIME) };
         let choice = |limit: f32| {
@@ -101,7 +102,7 @@ impl World {
         };
         let choices = limits.into_iter().map(choice);
         let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-        if product > MAX_PRODUCT {
+        if product > if are_large { MAX_LARGE_PRODUCT } else { MAX_PRODUCT } {
             return None;
         }
         let is_kept = |&part: &usize| {
@@ -112,7 +113,7 @@ impl World {
         kept.sort_by(|&a, &b| variances[b].total_cmp(&variances[a]).then(a.cmp(&b)));
         kept.truncate(MAX_PARTS);
         let parts: Vec<LitPart> = kept.into_iter().map(|part| candidates.parts()[part].clone()).collect();
-        (!parts.is_empty()).then_some(AimPlan { parts, worth })
+        (!parts.is_empty()).then_some(AimPlan { parts, worth, are_large })
     }
 
     /// Some candidates for a point.

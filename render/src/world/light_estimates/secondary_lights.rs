@@ -89,11 +89,12 @@ impl World {
         let small = self.small_candidates(&found, smallest, least);
         let all = SecondaryLights::new(self.candidates(&found, small, &divisions, least), division, triangles);
         let rest = bounces.iter().map(|it| (it.radiance().min(least) / views[it.view].radiance).powi(2)).sum::<f32>();
-        let AimPlan { parts, worth } = self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
+        let AimPlan { parts, worth, are_large } =
+            self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
         let rays = (REACH_RAYS / parts.len() as u32).clamp(LEAST_REACH_RAYS, MOST_REACH_RAYS);
         let parts = parts.into_par_iter().map(|part| LitPart { reach: self.reach(&part, rays), ..part });
         let mut lit = SecondaryLights::new(parts.collect(), division, triangles);
-        lit.aim_from(worth, PI * mean);
+        lit.aim_from(worth, PI * mean, are_large);
         Some(lit)
     }
 
