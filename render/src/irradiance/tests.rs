@@ -3,7 +3,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::vec3;
 
 use super::*;
-use crate::scene::cornell_box;
+use crate::scene::{CameraPose, Material, Mesh, PunctualLight, Scene, cornell_box};
 use crate::settings::CachedOptions;
 
 /// Counts samples, and says stop after so many.
@@ -65,6 +65,49 @@ fn sensors_without_a_record_have_paths() {
     assert_eq!(covered.cache.unwrap().1.misses, 0);
     let ratio = lost / mean(&covered.values);
     assert!((ratio - 1.0).abs().max_element() < 0.02, "{ratio}");
+}
+
+/// A spot light's patch of the ceiling sends most of the light: paths of pictures aim at it, gathers and sensors need not.
+#[test]
+fn gathers_leave_large_secondary_lights_to_chance() {
+    let corner = |i: u32| vec3(4.0, 3.0, 4.0) * vec3((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32);
+    let walls = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let room = Mesh {
+        positions: (0..8).map(corner).collect(),
+        triangles: walls.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
+        ..Mesh::default()
+    };
+    let spot = PunctualLight::Spot {
+        position: vec3(1.5, 1.2, 2.5),
+        direction: Vec3::Y,
+        intensity: Vec3::splat(30.0),
+        radius: 0.0,
+        cos_inner: 0.95,
+        cos_outer: 0.94,
+        edge: Default::default(),
+    };
+    let [eye, target] = [vec3(3.8, 1.6, 0.4), vec3(0.0, 1.4, 2.6)];
+    let scene = Scene {
+        meshes: vec![room],
+        materials: vec![Material::matte(vec3(0.7, 0.65, 0.6))],
+        lights: vec![spot],
+        camera: Some(CameraPose { eye, target, up: Vec3::Y, vfov: 60.0 }),
+        ..Scene::default()
+    };
+    let sensors: Vec<_> =
+        (0..64).map(|i| Sensor { position: vec3(0.05 * i as f32 + 0.3, 0.0, 1.0), normal: Vec3::Y }).collect();
+    let mut world = World::new(scene).unwrap();
+    assert!(world.lights.lit.has_any() && world.lights.lit.are_large());
+    let values = |world: &World| {
+        let cache = Cache::new(CachedOptions::default(), world.surroundings_hash());
+        let request = Request { spp: 16, seed: 1, part: Part::Total };
+        let patience = Impatience::new(u64::MAX);
+        let cached = by_cache(world, &sensors, cache, &request, &patience).values;
+        [cached, by_paths(world, &sensors, &request, &patience).values]
+    };
+    let beside = values(&world);
+    world.forget_secondary_lights();
+    assert_eq!(beside, values(&world));
 }
 
 /// Soon, whatever is under way: a sensor's samples, or the records for them.

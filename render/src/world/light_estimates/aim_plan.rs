@@ -102,7 +102,8 @@ impl World {
         };
         let choices = limits.into_iter().map(choice);
         let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-        if product > if are_large { MAX_LARGE_PRODUCT } else { MAX_PRODUCT } {
+        let most = if are_large { MAX_LARGE_PRODUCT } else { MAX_PRODUCT };
+        if product > most {
             return None;
         }
         let is_kept = |&part: &usize| {
