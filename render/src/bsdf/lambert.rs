@@ -6,11 +6,13 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::Bounce;
+use crate::material::BumpShadowing;
 use crate::world::Surface;
 
 /// Of a surface whose normals face the side that light is reflected to.
 impl Surface<'_> {
-    /// Diffuse reflection in a direction about the normal, given by the cosine; and whether there is any.
+    /// Diffuse reflection in a direction about the normal, given by the cosine; and whether there is any. As
+    /// [`lambert`](Self::lambert), without [`bump_shadowing`](Self::bump_shadowing).
     #[inline(always)]
     pub(crate) fn scatter(&self, local: Vec3) -> (Bounce, bool) {
         let sampled = self.frame().to_world(local);
@@ -37,5 +39,22 @@ impl Surface<'_> {
         let mirrored = cosine - 2.0 * height * self.normal.dot(self.shading_normal);
         let sum = cosine.max(0.0) * FRAC_1_PI + mirrored.max(0.0) * FRAC_1_PI;
         if height > 0.0 { sum } else { 0.0 }
+    }
+
+    /// The factor on light that a matte surface reflects from the unit vector `direction` by the shadowing of bumps that a
+    /// normal map draws: of the direction itself and of the one that is mirrored to it.
+    #[inline(always)]
+    pub(crate) fn bump_shadowing(&self, direction: Vec3) -> Vec3 {
+        let bumps = BumpShadowing::new(self.smooth_normal, self.shading_normal, self.diffuse);
+        let mirrored = direction - 2.0 * self.normal.dot(direction) * self.normal;
+        let [cosine, of_mirrored] = [self.shading_normal.dot(direction), self.shading_normal.dot(mirrored)];
+        let (cosine, of_mirrored) = (cosine.max(f32::MIN_POSITIVE), of_mirrored.max(0.0));
+        let sum = cosine * bumps.factor(direction) + of_mirrored * bumps.factor(mirrored);
+        sum / (cosine + of_mirrored)
+    }
+
+    /// The part of a cosine lobe about the shading normal that is above the smooth surface.
+    pub(crate) fn seen_above(&self) -> f32 {
+        1.0 - 0.25 * (self.smooth_normal - self.shading_normal).length_squared()
     }
 }

@@ -7,8 +7,13 @@ mod lambert;
 
 use glam::{Vec2, Vec3};
 
-use crate::material::{Bsdf, Closure, Inputs, Kind, Matte, Shading};
+use crate::material::{Bsdf, BumpShadowing, Closure, Inputs, Kind, Matte, Shading};
+use crate::scene::CoatNormal;
 use crate::world::{Surface, World};
+
+/// The direction whose cosine is the mean cosine of diffuse light: closures have about the albedo there that they have for
+/// light from everywhere.
+const AVERAGE_DIRECTION: Vec3 = Vec3::new(0.745_356, 0.0, 2.0 / 3.0);
 
 /// The continuation of a path.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +43,19 @@ impl<B: Bsdf> Scattering<B> {
     /// Of a surface whose normals face `wo`, and its closure on this side.
     #[inline]
     pub(crate) fn new(surface: &Surface, closure: B) -> Self {
+        let scattering = Self::without_bumps(surface, closure);
+        let Surface { smooth_normal, shading_normal, .. } = *surface;
+        // A coat with normals of its own, which reflects most light at low angles, is not in the shadow of bumps below it.
+        if shading_normal == smooth_normal || surface.material.coat_normal != CoatNormal::OfBase {
+            return scattering;
+        }
+        let bumps = BumpShadowing::new(smooth_normal, shading_normal, scattering.closure.albedo(AVERAGE_DIRECTION));
+        Self { shading: scattering.shading.with_bumps(smooth_normal, bumps), ..scattering }
+    }
+
+    /// The same where bumps do not shadow each other.
+    #[inline]
+    fn without_bumps(surface: &Surface, closure: B) -> Self {
         let Surface { normal, shading_normal, tangent, wo, .. } = *surface;
         Self { closure, shading: Shading::new(normal, shading_normal, tangent, wo), wo }
     }
@@ -85,13 +103,13 @@ impl<B: Bsdf> Scattering<B> {
     /// The part of uniform light around the surface that reaches `wo`.
     #[inline]
     pub(crate) fn albedo(&self) -> Vec3 {
-        self.closure.albedo(self.shading.frame().to_local(self.wo))
+        self.closure.albedo(self.shading.frame().to_local(self.wo)) * self.shading.bumps().mean()
     }
 
     /// The albedo of diffuse reflection alone.
     #[inline]
     pub(crate) fn diffuse_albedo(&self) -> Vec3 {
-        self.closure.diffuse_albedo(self.shading.frame().to_local(self.wo))
+        self.closure.diffuse_albedo(self.shading.frame().to_local(self.wo)) * self.shading.bumps().mean()
     }
 
     /// Whether light from behind is scattered, mirrors and clear glass left aside.
@@ -120,7 +138,7 @@ impl Surface<'_> {
     /// The closure of a white diffuse surface here: what it reflects is what it receives, by π.
     pub(crate) fn white(&self) -> Scattering<Matte> {
         let inputs = Inputs { base_color: Vec3::ONE, ..Inputs::default() };
-        Scattering::new(self, Matte::new(&inputs, self.is_back))
+        Scattering::without_bumps(self, Matte::new(&inputs, self.is_back))
     }
 }
 

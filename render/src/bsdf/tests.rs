@@ -1,12 +1,17 @@
+use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
+
 use super::*;
 use crate::scene::{CameraPose, Material, Mesh, Scene};
 
 /// A triangle in the plane z = 0, whose front is above.
 fn world(inputs: Inputs) -> World {
+    world_of(Material { inputs, ..Material::default() })
+}
+
+fn world_of(material: Material) -> World {
     let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
     let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], ..Mesh::default() };
     let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
-    let material = Material { inputs, ..Material::default() };
     World::new(Scene { meshes: vec![mesh], materials: vec![material], camera: Some(camera), ..Scene::default() })
         .unwrap()
 }
@@ -93,4 +98,43 @@ fn light_stays_on_its_side_of_the_triangle() {
             }
         }
     }
+}
+
+#[test]
+fn matte_surfaces_reflect_as_their_closures_do() {
+    let inputs = Inputs { base_color: Vec3::new(0.1, 0.5, 0.9), ..Inputs::default() };
+    let world = world(inputs);
+    for normal in [Vec3::Z, Vec3::new(0.3, -0.2, 0.9), Vec3::new(-0.7, 0.1, 0.6)].map(Vec3::normalize) {
+        let surface = Surface { shading_normal: normal, ..world.surface(0, 0.25, 0.25).facing(-Vec3::Z) };
+        let scattering = world.scattering(&mut surface.clone());
+        for u in grid(16) {
+            let (bounce, goes_on) = surface.scatter(CosineHemisphere.map(u));
+            let (expected, density) = scattering.eval(bounce.direction);
+            let shadowing = surface.bump_shadowing(bounce.direction);
+            assert!(goes_on && (bounce.density - density).abs() < 1e-5, "{bounce:?}, {density}");
+            assert!(
+                (bounce.weight * shadowing * density).abs_diff_eq(expected, 1e-5),
+                "{bounce:?}, {shadowing}, {expected}"
+            );
+            assert!((surface.lambert(bounce.direction) - density).abs() < 1e-5, "{bounce:?}, {density}");
+            assert_eq!(shadowing == Vec3::ONE, normal == Vec3::Z);
+        }
+    }
+}
+
+/// Bumps below a coat that is smooth keep no light from it.
+#[test]
+fn bumps_below_a_smooth_coat_cast_no_shadows() {
+    let inputs = Inputs { base_color: Vec3::ZERO, coat_weight: 1.0, coat_roughness: 0.3, ..Inputs::default() };
+    let reflected = |coat_normal: CoatNormal| {
+        let material = Material { inputs, coat_normal, ..Material::default() };
+        let world = world_of(material);
+        let surface = world.surface(0, 0.25, 0.25).facing(Vec3::new(0.9, 0.0, -0.3).normalize());
+        let surface = Surface { shading_normal: Vec3::new(0.0, 0.5, 0.85).normalize(), ..surface };
+        world.scattering(&mut surface.clone()).eval(Vec3::new(0.9, 0.0, 0.3).normalize()).0.x
+    };
+    let smooth = scattering(inputs, Vec3::new(0.9, 0.0, -0.3).normalize(), None);
+    let expected = smooth.eval(Vec3::new(0.9, 0.0, 0.3).normalize()).0.x;
+    let found = reflected(CoatNormal::OfVertices);
+    assert!((found / expected - 1.0).abs() < 0.01 && expected > 0.1, "{found}, {expected}");
 }

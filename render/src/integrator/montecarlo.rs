@@ -232,7 +232,8 @@ impl Gather<'_> {
             let u = child.direction_numbers(sampler);
             let (direction, weight) = if is_matte {
                 let (local, weight) = self.hemisphere.direction(number, u);
-                (surface.above(frame.to_world(local)), weight * surface.diffuse)
+                let direction = surface.above(frame.to_world(local));
+                (direction, weight * surface.diffuse * surface.bump_shadowing(direction))
             } else {
                 match scattering.sample(u) {
                     Some(bounce) if bounce.density < f32::INFINITY => (bounce.direction, bounce.weight),

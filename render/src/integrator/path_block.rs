@@ -62,6 +62,9 @@ pub(super) struct PathBlock {
     position: Vectors,
     normal: Vectors,
     shading_normal: Vectors,
+    smooth_normal: Vectors,
+    /// Whether a map tilts any of them from the smooth ones.
+    has_bumps: u32,
     /// The shading normals as receivers have them, and whether light from behind counts there.
     packed: Integers,
     receiving: Vectors,
@@ -121,6 +124,7 @@ impl PathBlock {
         self.transmits = [0; LANES];
         self.survival = [1.0; LANES];
         self.goes_on = [1; LANES];
+        self.has_bumps = 0;
         self.target = [0; LANES];
         self.reflectance = self.materials.diffuse;
         for i in 0..LANES {
@@ -131,6 +135,7 @@ impl PathBlock {
             let normal = front * if cosine > 0.0 { -1.0 } else { 1.0 };
             self.normal.set(i, normal);
             self.shading_normal.set(i, normal);
+            self.smooth_normal.set(i, normal);
             let emits = self.materials.emission.get(i).abs().max_element() > 0.0;
             let is_seen = (self.materials.emits_both_sides[i] != 0) | (cosine < 0.0);
             self.is_general[i] = u32::from((emits & is_seen) | (self.triangles.is_plain[i] == 0));
@@ -149,6 +154,8 @@ impl PathBlock {
         self.triangles.offset[i] = surface.offset;
         self.normal.set(i, surface.normal);
         self.shading_normal.set(i, surface.shading_normal);
+        self.smooth_normal.set(i, surface.smooth_normal);
+        self.has_bumps |= u32::from(surface.shading_normal != surface.smooth_normal);
         self.materials.diffuse.set(i, surface.diffuse);
         self.reflectance.set(i, albedo);
         self.transmits[i] = surface.transmits.into();
@@ -188,7 +195,7 @@ impl PathBlock {
         Surface {
             position: self.position.get(i),
             normal: self.normal.get(i),
-            smooth_normal: self.shading_normal.get(i),
+            smooth_normal: self.smooth_normal.get(i),
             shading_normal: self.shading_normal.get(i),
             diffuse: self.materials.diffuse.get(i),
             emission: Vec3::ZERO,
@@ -204,6 +211,16 @@ impl PathBlock {
             is_back: false,
             transmits: self.transmits[i] != 0,
             material: matte,
+        }
+    }
+
+    /// Multiplies light from a direction each by the shadowing of bumps at matte surfaces, if there are any.
+    #[inline(always)]
+    fn apply_bump_shadowing(&self, matte: &Material, directions: &Vectors, light: &mut Vectors) {
+        if self.has_bumps != 0 {
+            for i in 0..LANES {
+                light.set(i, light.get(i) * self.surface(i, matte).bump_shadowing(directions.get(i)));
+            }
         }
     }
 

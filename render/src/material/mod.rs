@@ -40,6 +40,7 @@
 use glam::{Vec2, Vec3};
 
 mod albedo_integral;
+mod bump_shadowing;
 mod closure;
 mod column;
 mod energy;
@@ -57,6 +58,7 @@ mod shading;
 mod sheen;
 mod transmissive;
 
+pub(crate) use bump_shadowing::BumpShadowing;
 pub use closure::Closure;
 pub(crate) use closure::Prepared;
 pub use glossy::Glossy;

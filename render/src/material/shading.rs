@@ -4,11 +4,12 @@
 //! slopes are visible, few of them at grazing angles. A direction that a closure samples on its side of the shading
 //! normal but on the other side of the surface is mirrored at the surface; so an energy-conserving closure stays so
 //! about any shading normal. Two directions may then lead to one, and [`Shading::eval`] adds both.
+//! Bumps that a map draws shadow each other ([`BumpShadowing`]).
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::Frame;
 
-use super::{Bsdf, Evaluation, Sample};
+use super::{Bsdf, BumpShadowing, Evaluation, Sample};
 
 /// The least cosine between `wo` and a bent normal.
 const LEAST_COSINE: f32 = 0.01;
@@ -33,6 +34,7 @@ pub fn bent_normal(geometric: Vec3, shading: Vec3, wo: Vec3) -> Vec3 {
 pub struct Shading {
     frame: Frame,
     geometric: Vec3,
+    bumps: BumpShadowing,
 }
 
 impl Shading {
@@ -48,13 +50,31 @@ impl Shading {
         } else {
             Frame::from_normal(normal)
         };
-        Self { frame, geometric }
+        Self { frame, geometric, bumps: BumpShadowing::NONE }
     }
 
-    /// The shading of a frame whose normal is already corrected.
+    /// The shading of a frame whose normal is already corrected, with bumps in that frame.
     #[inline(always)]
-    pub(crate) fn of(frame: Frame, geometric: Vec3) -> Self {
-        Self { frame, geometric }
+    pub(crate) fn of(frame: Frame, geometric: Vec3, bumps: BumpShadowing) -> Self {
+        Self { frame, geometric, bumps }
+    }
+
+    /// With bumps, whose smooth normal is in world space.
+    #[inline]
+    pub(crate) fn with_bumps(self, smooth: Vec3, bumps: BumpShadowing) -> Self {
+        Self { bumps: bumps.with_smooth(self.frame.to_local(smooth)), ..self }
+    }
+
+    /// The bumps around, in the shading frame.
+    #[inline(always)]
+    pub(crate) fn bumps(&self) -> &BumpShadowing {
+        &self.bumps
+    }
+
+    /// The factor of bumps' shadowing on light that a closure reflects from a direction in the shading frame.
+    #[inline(always)]
+    fn shadowing(&self, local: Vec3) -> Vec3 {
+        if local.z > 0.0 && self.bumps.are_there() { self.bumps.factor(local) } else { Vec3::ONE }
     }
 
     /// A direction and the one that is mirrored to it, in the shading frame.
@@ -99,7 +119,7 @@ impl Shading {
             let local = self.frame.to_local(w);
             if (local.z > 0.0) == is_before {
                 let Evaluation { f_cos, density, reverse_density } = closure.eval(wo, local);
-                sum.f_cos += f_cos;
+                sum.f_cos += f_cos * self.shadowing(local);
                 sum.density += density;
                 sum.reverse_density += reverse_density;
             }
@@ -113,7 +133,10 @@ impl Shading {
         let is_before = self.geometric.dot(wi) > 0.0;
         // As `eval` does.
         let both = [wi, self.mirrored(wi)].map(|w| self.frame.to_local(w));
-        both.into_iter().filter(|local| (local.z > 0.0) == is_before).map(|local| closure.glossy(wo, local)).sum()
+        both.into_iter()
+            .filter(|local| (local.z > 0.0) == is_before)
+            .map(|local| closure.glossy(wo, local) * self.shadowing(local))
+            .sum()
     }
 
     /// [`Bsdf::sample`] of world directions. Where a direction was mirrored, or another could have been mirrored to it, the
@@ -123,11 +146,17 @@ impl Shading {
         let wo = self.frame.to_local(wo);
         let sample = closure.sample(wo, u)?;
         let (wi, other) = self.onwards(sample.wi);
+        let weight = sample.weight * self.shadowing(sample.wi);
         if sample.density.is_infinite() || (other.z > 0.0) != (sample.wi.z > 0.0) {
-            return Some(Sample { wi, ..sample });
+            return Some(Sample { wi, weight, ..sample });
         }
         let Evaluation { f_cos, density, .. } = closure.eval(wo, other);
         let sum = sample.density + density;
-        Some(Sample { wi, weight: (sample.weight * sample.density + f_cos) / sum, density: sum, ..sample })
+        Some(Sample {
+            wi,
+            weight: (weight * sample.density + f_cos * self.shadowing(other)) / sum,
+            density: sum,
+            ..sample
+        })
     }
 }

@@ -1,5 +1,6 @@
 //! Every integrator against known answers, and against each other where they must agree.
 
+mod bumps;
 mod filter_glossy;
 mod heat;
 mod openness;

@@ -121,7 +121,7 @@ impl VertexStep for Lookup<'_> {
         // A gather's ray is one of many of which the mean is taken.
         let is_gathered = self.batch.density == 0.0 && world.is_nearly_diffuse(hit.prim_id);
         let is_matte = is_gathered || world.kind(hit.prim_id) == Kind::Matte;
-        let albedo = if is_gathered { scattering.albedo() } else { surface.diffuse };
+        let albedo = if is_matte { scattering.albedo() } else { surface.diffuse };
         let lights = if is_matte { world.lights.techniques_at(surface.position) } else { LightSampling::Mis };
         if albedo != Vec3::ZERO || !is_matte {
             let how = (lights, SkyPart::Sun);

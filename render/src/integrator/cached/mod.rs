@@ -81,10 +81,11 @@ impl FrozenCache {
     /// Like the above, but for pictures and means over many points: occluded regions contribute little, and where a
     /// surface turns within a few pixels, records with other normals are accepted.
     pub(crate) fn irradiance_about(&self, surface: &Surface) -> Option<Vec3> {
-        self.count(match self.cache.options().accuracy {
+        let found = self.count(match self.cache.options().accuracy {
             Some(_) => self.cache.interpolate_tilted(&lookup_point_anywhere(surface), surface.shading_normal),
             None => self.cache.interpolate_wide(&lookup_point_anywhere(surface), surface.shading_normal),
-        })
+        });
+        found.map(|irradiance| irradiance / surface.seen_above())
     }
 
     fn count(&self, found: Option<Interpolated>) -> Option<Vec3> {

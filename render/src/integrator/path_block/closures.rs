@@ -35,8 +35,7 @@ pub(in crate::integrator) struct Continuations {
 
 /// The closures of a block's surfaces.
 pub(in crate::integrator) trait BlockClosures {
-    /// Whether the block itself knows all of closures whose surfaces are not general: then all lanes are computed, so that
-    /// loops over them become lanes.
+    /// Whether the block itself knows all of closures whose surfaces are not general.
     const IN_LANES: bool;
 
     /// Whether light samples leave a part of punctual lights of a size to bounces. What scatters widely finds them worse by these.
@@ -68,7 +67,7 @@ pub(in crate::integrator) trait BlockClosures {
     /// [`eval`](Self::eval) of all paths, of light from a direction each.
     #[inline(always)]
     fn eval_all(&self, block: &PathBlock, matte: &Material, directions: &Vectors, scattered: &mut Scattered) {
-        for i in 0..if Self::IN_LANES { LANES } else { block.len } {
+        for i in 0..block.len {
             let (f_cos, density) = self.eval(i, &block.surface(i, matte), directions.get(i));
             scattered.f_cos.set(i, f_cos);
             scattered.density[i] = density;
@@ -78,7 +77,7 @@ pub(in crate::integrator) trait BlockClosures {
     /// [`sample`](Self::sample) of all paths, by the block's numbers.
     #[inline(always)]
     fn sample_all(&self, block: &PathBlock, matte: &Material, on: &mut Continuations) {
-        for i in 0..if Self::IN_LANES { LANES } else { block.len } {
+        for i in 0..block.len {
             let surface = block.surface(i, matte);
             let (bounce, scatters) = self.sample(i, &surface, block.u_direction[i], block.cosine[i]);
             on.direction.set(i, bounce.direction);
@@ -107,7 +106,7 @@ impl BlockClosures for Lambert {
     #[inline(always)]
     fn eval(&self, _: usize, surface: &Surface, direction: Vec3) -> (Vec3, f32) {
         let lambert = surface.lambert(direction);
-        (surface.diffuse * lambert, lambert)
+        (surface.diffuse * lambert * surface.bump_shadowing(direction), lambert)
     }
 
     fn glossy(&self, _: usize, _: Vec3) -> Vec3 {
@@ -120,7 +119,31 @@ impl BlockClosures for Lambert {
 
     #[inline(always)]
     fn sample(&self, _: usize, surface: &Surface, _: Vec2, cosine: Vec3) -> (Bounce, bool) {
-        surface.scatter(cosine)
+        let (bounce, scatters) = surface.scatter(cosine);
+        (Bounce { weight: bounce.weight * surface.bump_shadowing(bounce.direction), ..bounce }, scatters)
+    }
+
+    #[inline(always)]
+    fn eval_all(&self, block: &PathBlock, matte: &Material, directions: &Vectors, scattered: &mut Scattered) {
+        for i in 0..LANES {
+            let surface = block.surface(i, matte);
+            let lambert = surface.lambert(directions.get(i));
+            scattered.f_cos.set(i, surface.diffuse * lambert);
+            scattered.density[i] = lambert;
+        }
+        block.apply_bump_shadowing(matte, directions, &mut scattered.f_cos);
+    }
+
+    #[inline(always)]
+    fn sample_all(&self, block: &PathBlock, matte: &Material, on: &mut Continuations) {
+        for i in 0..LANES {
+            let (bounce, scatters) = block.surface(i, matte).scatter(block.cosine[i]);
+            on.direction.set(i, bounce.direction);
+            on.weight.set(i, bounce.weight);
+            on.density[i] = bounce.density;
+            on.scatters[i] = u32::from(scatters);
+        }
+        block.apply_bump_shadowing(matte, &on.direction, &mut on.weight);
     }
 }
 

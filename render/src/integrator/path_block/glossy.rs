@@ -10,7 +10,7 @@ use super::PathBlock;
 use super::closures::{BlockClosures, Closures, Continuations, Scattered};
 use super::columns::{Column, LANES, Vectors, gather};
 use crate::bsdf::{Bounce, Scattering};
-use crate::material::{Glossy, Reflection, Shading, Side};
+use crate::material::{BumpShadowing, Glossy, Reflection, Shading, Side};
 use crate::scene::Material;
 use crate::world::{Surface, World};
 
@@ -31,7 +31,8 @@ struct GlossyRow {
     wo: Vec3,
     axes: [Vec3; 3],
     geometric: Vec3,
-    unused: [u32; 2],
+    bumps: BumpShadowing,
+    unused: [u32; 3],
 }
 
 /// Words of a row, and eights of them.
@@ -65,14 +66,15 @@ impl GlossyRow {
             wo,
             axes: [tangent, bitangent, normal],
             geometric: shading.geometric(),
-            unused: [0; 2],
+            bumps: *shading.bumps(),
+            unused: [0; 3],
         }
     }
 
     #[inline(always)]
     fn shading(&self) -> Shading {
         let [tangent, bitangent, normal] = self.axes;
-        Shading::of(Frame { tangent, bitangent, normal }, self.geometric)
+        Shading::of(Frame { tangent, bitangent, normal }, self.geometric, self.bumps)
     }
 }
 
@@ -126,6 +128,7 @@ impl BlockClosures for GlossyLanes {
         let wo = scattering.shading().frame().to_local(scattering.wo());
         let (albedo, side) = scattering.closure().seen_from(wo);
         self.rows.push(GlossyRow::new(&scattering, (wo, side)));
+        let albedo = albedo * scattering.shading().bumps().mean();
         self.closures.push(scattering);
         albedo
     }
@@ -173,8 +176,9 @@ impl BlockClosures for GlossyLanes {
             let wo = (row.wo, row.side);
             let (f, density) = row.reflection.eval(wo, (locals[0], sides.get(0, i)));
             let (mirrored_f, mirrored_density) = row.reflection.eval(wo, (locals[1], sides.get(1, i)));
+            let shadowing = (row.bumps.factor(locals[0]), row.bumps.factor(locals[1]));
             let is_before = row.geometric.dot(direction) > 0.0;
-            scattered.f_cos.set(i, if is_before { f + mirrored_f } else { Vec3::ZERO });
+            scattered.f_cos.set(i, if is_before { f * shadowing.0 + mirrored_f * shadowing.1 } else { Vec3::ZERO });
             scattered.density[i] = if is_before { density + mirrored_density } else { 0.0 };
         }
     }
@@ -202,7 +206,9 @@ impl BlockClosures for GlossyLanes {
             let (other_f, other_density) = row.reflection.eval(wo, (others.get(i), sides.get(1, i)));
             let is_mirrored = is_mirrored[i] != 0;
             let sum = density + other_density;
-            let weight = if is_mirrored { row.reflection.mirror_weight(wo) } else { (f + other_f) / sum };
+            let shadowing = (row.bumps.factor(sampled.get(i)), row.bumps.factor(others.get(i)));
+            let rough = (f * shadowing.0 + other_f * shadowing.1) / sum;
+            let weight = if is_mirrored { row.reflection.mirror_weight(wo) * shadowing.0 } else { rough };
             on.weight.set(i, weight);
             on.density[i] = if is_mirrored { f32::INFINITY } else { sum };
             let is_above = (cosines[i] > 0.0) & (is_mirrored | (density > 0.0));

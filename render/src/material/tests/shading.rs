@@ -1,7 +1,7 @@
 //! Shading normals lose no energy.
 
 use super::*;
-use crate::material::{Inputs, Shading, bent_normal};
+use crate::material::{BumpShadowing, Evaluation, Inputs, Shading, bent_normal};
 
 /// Normals that lean away from the surface's, which is z, and directions to look from.
 fn leaning() -> impl Iterator<Item = (Vec3, Vec3)> {
@@ -73,5 +73,58 @@ fn densities_under_shading_normals_integrate_to_one() {
             .sum();
         let integral = sum / f64::from(count) * 4.0 * std::f64::consts::PI;
         assert!((integral - 1.0).abs() < 0.01, "normal {normal}, wo {wo}: {integral}");
+    }
+}
+
+/// Normals that a map tilts by these degrees from the surface's, which is z.
+fn tilted() -> impl Iterator<Item = (Vec3, f32)> {
+    [5.0f32, 15.0, 30.0, 50.0, 70.0].into_iter().map(|degrees| (direction(degrees.to_radians().cos(), 2.0), degrees))
+}
+
+#[test]
+fn bumps_absorb_a_part_of_what_they_catch() {
+    let wo = Vec3::Z;
+    for albedo in [0.0f32, 0.3, 0.8, 1.0].map(Vec3::splat) {
+        // What a white surface leaves of uniform light, of which bumps of this albedo catch a part.
+        let closure = Closure::new(&Inputs { base_color: Vec3::ONE, ..Inputs::default() }, false);
+        for (normal, degrees) in tilted() {
+            let bumps = BumpShadowing::new(Vec3::Z, normal, albedo);
+            let shading = Shading::new(Vec3::Z, normal, Vec3::X, wo).with_bumps(Vec3::Z, bumps);
+            let count = 16_384;
+            let mut sum = 0.0;
+            for sample in points(count).filter_map(|u| shading.sample(&closure, wo, u)) {
+                sum += sample.weight.x;
+                let Evaluation { f_cos, density, .. } = shading.eval(&closure, wo, sample.wi);
+                assert!((sample.density / density - 1.0).abs() < 1e-3, "{sample:?}, {density}");
+                assert!((sample.weight.x * density - f_cos.x).abs() <= 1e-3 * density, "{sample:?}, {f_cos}");
+            }
+            let left = sum / count as f32;
+            assert!((bumps.mean().x - left).abs() < 0.008, "{albedo}, {degrees}°: {left}, {bumps:?}");
+            if albedo == Vec3::ONE {
+                assert!((left - 1.0).abs() < 1e-4, "white bumps lose no light: {left}");
+            }
+        }
+    }
+}
+
+#[test]
+fn bumps_shadow_light_from_low_directions() {
+    let bumps = BumpShadowing::new(Vec3::Z, direction(30.0f32.to_radians().cos(), 0.0), Vec3::ZERO);
+    // α² = tan² 30° / 8; at 60°, tan² θ = 3.
+    let expected = 2.0 / (1.0 + (1.0f32 + 3.0 / 24.0).sqrt());
+    let at = |cos: f32| bumps.factor(direction(cos, 1.0)).x;
+    assert!((at(0.5) - expected).abs() < 1e-5, "{}", at(0.5));
+    assert_eq!(at(1.0), 1.0);
+    assert!(at(0.01) < 0.2 && at(-0.01) == 0.0 && at(-1.0) == 0.0);
+}
+
+#[test]
+fn surfaces_without_bumps_have_no_shadowing() {
+    for (normal, _) in tilted() {
+        let bumps = BumpShadowing::new(normal, normal, Vec3::splat(0.2));
+        for wi in [0.0, 0.01, 0.5, 1.0, -0.5].map(|cos| direction(cos, 1.0)) {
+            assert_eq!((bumps.factor(wi), BumpShadowing::NONE.factor(wi)), (Vec3::ONE, Vec3::ONE));
+        }
+        assert_eq!(bumps.mean(), Vec3::ONE);
     }
 }

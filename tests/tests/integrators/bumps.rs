@@ -1,0 +1,109 @@
+//! Normal maps beside bumps of triangles: they shadow each other and reflect light to each other alike.
+
+use std::f32::consts::TAU;
+
+use glam::{UVec2, Vec2};
+use halfdome::scene::{ColorSpace, Mesh, NormalMap, Sky, Texture, TextureMap};
+use halfdome::settings::CachedOptions;
+
+use super::*;
+
+/// Bumps along each side of the plane from -2 to 2, and their height by their length.
+const BUMPS: f32 = 8.0;
+const HEIGHT: f32 = 0.12;
+
+/// The height over a point of the plane, 0 to 1 along each side, in the plane's units.
+fn height(at: Vec2) -> f32 {
+    let [x, y] = (at * BUMPS * TAU).to_array().map(f32::sin);
+    HEIGHT * (4.0 / BUMPS) * x * y
+}
+
+/// The unit normal there.
+fn normal(at: Vec2) -> Vec3 {
+    let angles = at * BUMPS * TAU;
+    let along_x = HEIGHT * TAU * angles.x.cos() * angles.y.sin();
+    let along_y = HEIGHT * TAU * angles.x.sin() * angles.y.cos();
+    Vec3::new(-along_x, -along_y, 1.0).normalize()
+}
+
+/// Under a white sky: bumps of triangles, or a plane with their normal map.
+fn scene(inputs: Inputs, are_real: bool) -> Scene {
+    let side = if are_real { 24 * BUMPS as u32 } else { 1 };
+    let corners =
+        (0..(side + 1) * (side + 1)).map(|i| UVec2::new(i % (side + 1), i / (side + 1)).as_vec2() / side as f32);
+    let corners: Vec<Vec2> = corners.collect();
+    let lift = |at: Vec2| if are_real { height(at) } else { 0.0 };
+    let cell = |i: u32| {
+        let first = i / side * (side + 1) + i % side;
+        [[first, first + 1, first + side + 2], [first, first + side + 2, first + side + 1]]
+    };
+    let mesh = Mesh {
+        positions: corners.iter().map(|at| (4.0 * *at - 2.0).extend(lift(*at))).collect(),
+        normals: if are_real { corners.iter().map(|at| normal(*at)).collect() } else { Vec::new() },
+        // The picture's first row is the upper one.
+        texcoords: corners.iter().map(|at| Vec2::new(at.x, 1.0 - at.y)).collect(),
+        triangles: (0..side * side).flat_map(cell).collect(),
+        ..Mesh::default()
+    };
+    let texels = 64 * BUMPS as u32;
+    let texel = |i: u32| {
+        let at = Vec2::new((i % texels) as f32 + 0.5, (texels - 1 - i / texels) as f32 + 0.5) / texels as f32;
+        let [x, y, z] = (normal(at) * 0.5 + 0.5).to_array().map(|part| (part * 255.0).round() as u8);
+        [x, y, z, 255]
+    };
+    let texture = TextureMap { space: ColorSpace::Linear, ..TextureMap::default() };
+    let map = NormalMap { texture, scale: Vec2::ONE };
+    Scene {
+        meshes: vec![mesh],
+        materials: vec![Material { inputs, normal_map: (!are_real).then_some(map), ..Material::default() }],
+        textures: vec![Texture::new(texels, texels, (0..texels * texels).map(texel).collect())],
+        sky: Sky { radiance: Vec3::ONE, ..Sky::default() },
+        camera: Some(CameraPose { eye: Vec3::new(0.0, -6.0, 6.0), target: Vec3::ZERO, up: Vec3::Z, vfov: 8.0 }),
+        ..Scene::default()
+    }
+}
+
+/// The mean of a picture's red.
+fn mean(scene: &Scene, integrator: Integrator) -> f64 {
+    let settings = Settings { width: 32, height: 32, spp: 64, integrator, ..Settings::default() };
+    Estimate::of(&pixels(&render(scene, &settings))).mean.x
+}
+
+fn inputs(color: f32, specular_weight: f32, base_metalness: f32) -> Inputs {
+    Inputs { base_color: Vec3::splat(color), specular_weight, base_metalness, ..Inputs::default() }
+}
+
+#[test]
+fn mapped_bumps_reflect_as_much_of_a_sky_as_real_ones() {
+    for (name, inputs) in [
+        ("white", inputs(0.8, 0.0, 0.0)),
+        ("dark", inputs(0.2, 0.0, 0.0)),
+        ("black plastic", inputs(0.02, 1.0, 0.0)),
+        ("plastic", inputs(0.6, 1.0, 0.0)),
+        ("metal", inputs(0.8, 1.0, 1.0)),
+    ] {
+        let [mapped, real] =
+            [false, true].map(|are_real| mean(&scene(inputs, are_real), path(LightSampling::Mis, Stop::Depth)));
+        println!("{name}: {mapped:.4} {real:.4} {:.3}", mapped / real);
+        assert!((mapped / real - 1.0).abs() < 0.025, "{name}: {mapped} with a map, {real} with real bumps");
+    }
+}
+
+#[test]
+fn all_integrators_reflect_as_much() {
+    for (name, inputs) in [("diffuse", inputs(0.3, 0.0, 0.0)), ("plastic", inputs(0.3, 1.0, 0.0))] {
+        let scene = scene(inputs, false);
+        let by_paths = mean(&scene, path(LightSampling::Mis, Stop::Depth));
+        let others = [
+            Integrator::Cached(CachedOptions::default()),
+            Integrator::MonteCarlo(MonteCarloOptions { bounces: 1, ..MonteCarloOptions::default() }),
+            path(LightSampling::Naive, Stop::Depth),
+        ];
+        for integrator in others {
+            let what = format!("{integrator:?}");
+            let other = mean(&scene, integrator);
+            println!("{name}: {by_paths:.4} {other:.4} {:.3}", other / by_paths);
+            assert!((other / by_paths - 1.0).abs() < 0.01, "{name}: {by_paths} by paths, {other} by {what}");
+        }
+    }
+}
