@@ -122,6 +122,16 @@ fn matte_surfaces_reflect_as_their_closures_do() {
     }
 }
 
+/// What a white surface reflects is what it receives.
+#[test]
+fn white_surfaces_receive_all_light_whatever_their_bumps() {
+    let world = world(Inputs { base_color: Vec3::splat(0.2), ..Inputs::default() });
+    let surface = world.surface(0, 0.25, 0.25).facing(-Vec3::Z);
+    let surface = Surface { shading_normal: Vec3::new(0.5, 0.0, 0.8).normalize(), ..surface };
+    let low = Vec3::new(0.99, 0.0, 0.14).normalize();
+    assert!(surface.white().eval(low).0.abs_diff_eq(Vec3::splat(surface.lambert(low)), 1e-6));
+}
+
 /// Bumps below a coat that is smooth keep no light from it.
 #[test]
 fn bumps_below_a_smooth_coat_cast_no_shadows() {

@@ -3,7 +3,7 @@
 use std::f32::consts::TAU;
 
 use glam::{UVec2, Vec2};
-use halfdome::scene::{ColorSpace, Mesh, NormalMap, Sky, Texture, TextureMap};
+use halfdome::scene::{ColorSpace, Mesh, NormalMap, Sky, SpotEdge, Texture, TextureMap};
 use halfdome::settings::CachedOptions;
 
 use super::*;
@@ -63,9 +63,31 @@ fn scene(inputs: Inputs, are_real: bool) -> Scene {
     }
 }
 
+/// Mapped bumps with light from low angles alone: of a lamp, or of a white wall in its place that a spot shines at.
+fn low_light(inputs: Inputs, is_reflected: bool) -> Scene {
+    let mut scene = scene(inputs, false);
+    let wall = quad([(-4.0, 0.0), (4.0, 0.0), (4.0, 1.2), (-4.0, 1.2)].map(|(x, z)| Vec3::new(x, 3.0, z)));
+    scene.meshes.push(mesh(&wall, 1));
+    scene.sky = Sky::default();
+    if is_reflected {
+        scene.lights.push(PunctualLight::Spot {
+            position: Vec3::new(0.0, 2.0, 0.6),
+            direction: Vec3::Y,
+            intensity: Vec3::ONE,
+            radius: 0.0,
+            cos_inner: 0.9,
+            cos_outer: 0.8,
+            edge: SpotEdge::default(),
+        });
+    }
+    let [white, lamp] = [(Vec3::ONE, Vec3::ZERO), (Vec3::ZERO, Vec3::ONE)].map(|(color, light)| material(color, light));
+    scene.materials.push(if is_reflected { white } else { lamp });
+    scene
+}
+
 /// The mean of a picture's red.
-fn mean(scene: &Scene, integrator: Integrator) -> f64 {
-    let settings = Settings { width: 32, height: 32, spp: 64, integrator, ..Settings::default() };
+fn mean(scene: &Scene, integrator: Integrator, spp: u32) -> f64 {
+    let settings = Settings { width: 32, height: 32, spp, integrator, ..Settings::default() };
     Estimate::of(&pixels(&render(scene, &settings))).mean.x
 }
 
@@ -83,7 +105,7 @@ fn mapped_bumps_reflect_as_much_of_a_sky_as_real_ones() {
         ("metal", inputs(0.8, 1.0, 1.0)),
     ] {
         let [mapped, real] =
-            [false, true].map(|are_real| mean(&scene(inputs, are_real), path(LightSampling::Mis, Stop::Depth)));
+            [false, true].map(|are_real| mean(&scene(inputs, are_real), path(LightSampling::Mis, Stop::Depth), 64));
         println!("{name}: {mapped:.4} {real:.4} {:.3}", mapped / real);
         assert!((mapped / real - 1.0).abs() < 0.025, "{name}: {mapped} with a map, {real} with real bumps");
     }
@@ -93,7 +115,7 @@ fn mapped_bumps_reflect_as_much_of_a_sky_as_real_ones() {
 fn all_integrators_reflect_as_much() {
     for (name, inputs) in [("diffuse", inputs(0.3, 0.0, 0.0)), ("plastic", inputs(0.3, 1.0, 0.0))] {
         let scene = scene(inputs, false);
-        let by_paths = mean(&scene, path(LightSampling::Mis, Stop::Depth));
+        let by_paths = mean(&scene, path(LightSampling::Mis, Stop::Depth), 64);
         let others = [
             Integrator::Cached(CachedOptions::default()),
             Integrator::MonteCarlo(MonteCarloOptions { bounces: 1, ..MonteCarloOptions::default() }),
@@ -101,9 +123,28 @@ fn all_integrators_reflect_as_much() {
         ];
         for integrator in others {
             let what = format!("{integrator:?}");
-            let other = mean(&scene, integrator);
+            let other = mean(&scene, integrator, 64);
             println!("{name}: {by_paths:.4} {other:.4} {:.3}", other / by_paths);
             assert!((other / by_paths - 1.0).abs() < 0.01, "{name}: {by_paths} by paths, {other} by {what}");
+        }
+    }
+}
+
+#[test]
+fn light_samples_bounces_and_gathers_find_as_much_light_at_low_angles() {
+    for (name, inputs) in [("diffuse", inputs(0.3, 0.0, 0.0)), ("plastic", inputs(0.3, 1.0, 0.0))] {
+        for is_reflected in [false, true] {
+            let scene = low_light(inputs, is_reflected);
+            let by = |lights: LightSampling| {
+                Integrator::Path(PathOptions { lights, max_depth: 3, ..PathOptions::default() })
+            };
+            let [naive, direct, mis] = ALL_LIGHTS.map(|lights| mean(&scene, by(lights), 256));
+            let gathers = MonteCarloOptions { bounces: 1, ..MonteCarloOptions::default() };
+            let gathered = mean(&scene, Integrator::MonteCarlo(gathers), 256);
+            println!("{name}: {mis:.4} {naive:.4} {direct:.4} {gathered:.4}");
+            for found in [naive, direct, gathered] {
+                assert!((found / mis - 1.0).abs() < 0.03, "{name}: {mis}, {naive}, {direct}, {gathered} by gathers");
+            }
         }
     }
 }
