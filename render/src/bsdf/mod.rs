@@ -43,21 +43,14 @@ impl<B: Bsdf> Scattering<B> {
     /// Of a surface whose normals face `wo`, and its closure on this side.
     #[inline]
     pub(crate) fn new(surface: &Surface, closure: B) -> Self {
-        let scattering = Self::without_bumps(surface, closure);
-        let Surface { smooth_normal, shading_normal, .. } = *surface;
+        let Surface { normal, smooth_normal, shading_normal, tangent, wo, .. } = *surface;
+        let mut shading = Shading::new(normal, shading_normal, tangent, wo);
         // A coat with normals of its own, which reflects most light at low angles, is not in the shadow of bumps below it.
-        if shading_normal == smooth_normal || surface.material.coat_normal != CoatNormal::OfBase {
-            return scattering;
+        if shading_normal != smooth_normal && surface.material.coat_normal == CoatNormal::OfBase {
+            let bumps = BumpShadowing::new(smooth_normal, shading_normal, closure.albedo(AVERAGE_DIRECTION));
+            shading = shading.with_bumps(smooth_normal, bumps);
         }
-        let bumps = BumpShadowing::new(smooth_normal, shading_normal, scattering.closure.albedo(AVERAGE_DIRECTION));
-        Self { shading: scattering.shading.with_bumps(smooth_normal, bumps), ..scattering }
-    }
-
-    /// The same where bumps do not shadow each other.
-    #[inline]
-    fn without_bumps(surface: &Surface, closure: B) -> Self {
-        let Surface { normal, shading_normal, tangent, wo, .. } = *surface;
-        Self { closure, shading: Shading::new(normal, shading_normal, tangent, wo), wo }
+        Self { closure, shading, wo }
     }
 
     /// The closure, in the shading frame.
@@ -138,7 +131,7 @@ impl Surface<'_> {
     /// The closure of a white diffuse surface here: what it reflects is what it receives, by π.
     pub(crate) fn white(&self) -> Scattering<Matte> {
         let inputs = Inputs { base_color: Vec3::ONE, ..Inputs::default() };
-        Scattering::without_bumps(self, Matte::new(&inputs, self.is_back))
+        Scattering::new(self, Matte::new(&inputs, self.is_back))
     }
 }
 

@@ -178,3 +178,44 @@ fn thresholds_end_the_paths_below_them() {
     }
     assert!((10..LANES - 10).contains(&ended), "{ended}");
 }
+
+#[test]
+fn matte_lanes_with_bumps_equal_closures_one_by_one() {
+    let (world, matte) = (world(40, false), Material::default());
+    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, 40, false)).collect();
+    let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
+    let mut block = PathBlock::new();
+    block.len = LANES;
+    numbers.iter().enumerate().for_each(|(i, (_, _, hit))| block.put(i, i, hit));
+    block.arrive(&world, &paths, &rays);
+    let (mut directions, mut surfaces) = (Vectors::zeroed(), Vec::new());
+    for (i, (_, ray, hit)) in numbers.iter().enumerate() {
+        let stream = Stream::new(5, i as u32, 0);
+        let surface = world.surface_at(hit).facing(ray.direction);
+        // Every other one has bumps.
+        let tilt = if i % 2 == 0 { 0.6 * UniformSphere.map(stream.uniform2(0)) } else { Vec3::ZERO };
+        let shading_normal = if i % 2 == 0 { (surface.normal + tilt).normalize() } else { surface.normal };
+        let surface = Surface { shading_normal, ..surface };
+        block.set(i, &surface, surface.diffuse);
+        block.cosine[i] = CosineHemisphere.map(stream.uniform2(1));
+        directions.set(i, surface.above(UniformSphere.map(stream.uniform2(2))));
+        surfaces.push(surface);
+    }
+    let (mut scattered, mut on) = (Scattered::zeroed(), Continuations::zeroed());
+    Lambert.eval_all(&block, &matte, &directions, &mut scattered);
+    Lambert.sample_all(&block, &matte, &mut on);
+    let mut shadowed = 0;
+    for (i, surface) in surfaces.iter().enumerate() {
+        let (f_cos, density) = Lambert.eval(i, surface, directions.get(i));
+        assert_eq!((scattered.f_cos.get(i), scattered.density[i]), (f_cos, density), "{i}");
+        // Closures bend normals that face away.
+        if surface.shading_normal.dot(surface.wo) > 0.01 {
+            let (expected, _) = world.scattering(&mut surface.clone()).eval(directions.get(i));
+            assert!(f_cos.abs_diff_eq(expected, 1e-5), "{i}: {f_cos}, {expected}");
+        }
+        let (bounce, _) = Lambert.sample(i, surface, Vec2::ZERO, block.cosine[i]);
+        assert_eq!((on.direction.get(i), on.weight.get(i)), (bounce.direction, bounce.weight), "{i}");
+        shadowed += usize::from(on.weight.get(i) != surface.diffuse);
+    }
+    assert!((LANES / 4..=LANES / 2).contains(&shadowed), "{shadowed}");
+}
