@@ -6,7 +6,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::Bounce;
-use crate::material::BumpShadowing;
+use crate::material::{BumpShadowing, bent_normal};
 use crate::world::Surface;
 
 /// Of a surface whose normals face the side that light is reflected to.
@@ -39,6 +39,16 @@ impl Surface<'_> {
         let mirrored = cosine - 2.0 * height * self.normal.dot(self.shading_normal);
         let sum = cosine.max(0.0) * FRAC_1_PI + mirrored.max(0.0) * FRAC_1_PI;
         if height > 0.0 { sum } else { 0.0 }
+    }
+
+    /// Bends the shading normal to the viewer, as closures do.
+    pub(crate) fn bend(&mut self) {
+        let bent = bent_normal(self.normal, self.shading_normal, self.wo);
+        if self.smooth_normal == self.shading_normal {
+            // Nor has it bumps then.
+            self.smooth_normal = bent;
+        }
+        self.shading_normal = bent;
     }
 
     /// The factor on light that a matte surface reflects from the unit vector `direction` by the shadowing of bumps that a

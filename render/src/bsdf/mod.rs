@@ -47,7 +47,8 @@ impl<B: Bsdf> Scattering<B> {
         let mut shading = Shading::new(normal, shading_normal, tangent, wo);
         // A coat with normals of its own, which reflects most light at low angles, is not in the shadow of bumps below it.
         if shading_normal != smooth_normal && surface.material.coat_normal == CoatNormal::OfBase {
-            let bumps = BumpShadowing::new(smooth_normal, shading_normal, closure.albedo(AVERAGE_DIRECTION));
+            let tilted = shading.frame().normal;
+            let bumps = BumpShadowing::new(smooth_normal, tilted, closure.albedo(AVERAGE_DIRECTION));
             shading = shading.with_bumps(smooth_normal, bumps);
         }
         Self { closure, shading, wo }
@@ -113,16 +114,20 @@ impl<B: Bsdf> Scattering<B> {
 }
 
 impl World {
-    /// The closure of a surface whose normals face the viewer; passes the surface the data that it needs.
+    /// The closure of a surface whose normals face the viewer; passes the surface the data that it needs, and the shading
+    /// normal as it is bent to the viewer.
     pub(crate) fn scattering(&self, surface: &mut Surface) -> Scattering<Closure> {
         let kind = self.kind(surface.prim_id);
-        if kind == Kind::Matte {
+        let scattering = if kind == Kind::Matte {
             let inputs = Inputs { base_color: surface.diffuse, ..Inputs::default() };
-            return Scattering::new(surface, Closure::of_kind(kind, &inputs, surface.is_back));
-        }
-        let scattering = Scattering::new(surface, self.closure::<Closure>(surface));
-        surface.transmits = scattering.transmits();
-        surface.diffuse = scattering.diffuse_albedo();
+            Scattering::new(surface, Closure::of_kind(kind, &inputs, surface.is_back))
+        } else {
+            let scattering = Scattering::new(surface, self.closure::<Closure>(surface));
+            surface.transmits = scattering.transmits();
+            surface.diffuse = scattering.diffuse_albedo();
+            scattering
+        };
+        surface.shading_normal = scattering.shading.frame().normal;
         scattering
     }
 }

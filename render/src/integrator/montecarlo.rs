@@ -233,7 +233,13 @@ impl Gather<'_> {
             let (direction, weight) = if is_matte {
                 let (local, weight) = self.hemisphere.direction(number, u);
                 let direction = surface.above(frame.to_world(local));
-                (direction, weight * surface.diffuse * surface.bump_shadowing(direction))
+                let reflected = if scattering.shading().bumps().are_there() {
+                    let (f_cos, density) = scattering.eval(direction);
+                    f_cos / density.max(f32::MIN_POSITIVE)
+                } else {
+                    surface.diffuse
+                };
+                (direction, weight * reflected)
             } else {
                 match scattering.sample(u) {
                     Some(bounce) if bounce.density < f32::INFINITY => (bounce.direction, bounce.weight),

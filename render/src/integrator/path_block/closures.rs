@@ -100,6 +100,7 @@ impl BlockClosures for Lambert {
 
     #[inline(always)]
     fn arrive(&mut self, _: &World, surface: &mut Surface) -> Vec3 {
+        surface.bend();
         surface.diffuse
     }
 
