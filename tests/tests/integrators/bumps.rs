@@ -106,7 +106,6 @@ fn mapped_bumps_reflect_as_much_of_a_sky_as_real_ones() {
     ] {
         let [mapped, real] =
             [false, true].map(|are_real| mean(&scene(inputs, are_real), path(LightSampling::Mis, Stop::Depth), 64));
-        println!("{name}: {mapped:.4} {real:.4} {:.3}", mapped / real);
         assert!((mapped / real - 1.0).abs() < 0.025, "{name}: {mapped} with a map, {real} with real bumps");
     }
 }
@@ -130,7 +129,6 @@ fn all_integrators_reflect_as_much() {
         for integrator in others {
             let what = format!("{integrator:?}");
             let other = mean(&scene, integrator, 64);
-            println!("{name}: {by_paths:.4} {other:.4} {:.3}", other / by_paths);
             assert!((other / by_paths - 1.0).abs() < 0.01, "{name}: {by_paths} by paths, {other} by {what}");
         }
     }
@@ -147,7 +145,6 @@ fn light_samples_bounces_and_gathers_find_as_much_light_at_low_angles() {
             let [naive, direct, mis] = ALL_LIGHTS.map(|lights| mean(&scene, by(lights), 256));
             let gathers = MonteCarloOptions { bounces: 1, ..MonteCarloOptions::default() };
             let gathered = mean(&scene, Integrator::MonteCarlo(gathers), 256);
-            println!("{name}: {mis:.4} {naive:.4} {direct:.4} {gathered:.4}");
             for found in [naive, direct, gathered] {
                 assert!((found / mis - 1.0).abs() < 0.03, "{name}: {mis}, {naive}, {direct}, {gathered} by gathers");
             }
