@@ -159,15 +159,21 @@ fn lanes_equal_paths(triangles: u32, has_instances: bool) {
     assert!(lit > 50 && unlit > 5, "{lit}, {unlit}");
 }
 
-#[test]
-fn thresholds_end_the_paths_below_them() {
-    let (world, cutoff) = (world(40, false), 0.3);
+/// A block of paths that have arrived in a world of 40 triangles.
+fn arrived(world: &World) -> (Vec<(Path, Ray, Hit)>, PathBlock) {
     let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, 40, false)).collect();
     let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
     let mut block = PathBlock::new();
     block.len = LANES;
     numbers.iter().enumerate().for_each(|(i, (_, _, hit))| block.put(i, i, hit));
-    block.arrive(&world, &paths, &rays);
+    block.arrive(world, &paths, &rays);
+    (numbers, block)
+}
+
+#[test]
+fn thresholds_end_the_paths_below_them() {
+    let (world, cutoff) = (world(40, false), 0.3);
+    let (numbers, mut block) = arrived(&world);
     block.end_below_threshold(cutoff);
     let mut ended = 0;
     for (i, (path, _, hit)) in numbers.iter().enumerate() {
@@ -182,19 +188,14 @@ fn thresholds_end_the_paths_below_them() {
 #[test]
 fn matte_lanes_with_bumps_equal_closures_one_by_one() {
     let (world, matte) = (world(40, false), Material::default());
-    let numbers: Vec<_> = (0..LANES).map(|i| path(i as u32, 40, false)).collect();
-    let (paths, rays): (Vec<Path>, Vec<Ray>) = numbers.iter().map(|(path, ray, _)| (*path, *ray)).unzip();
-    let mut block = PathBlock::new();
-    block.len = LANES;
-    numbers.iter().enumerate().for_each(|(i, (_, _, hit))| block.put(i, i, hit));
-    block.arrive(&world, &paths, &rays);
+    let (numbers, mut block) = arrived(&world);
     let (mut directions, mut unbent, mut surfaces) = (Vectors::zeroed(), Vec::new(), Vec::new());
     for (i, (_, ray, hit)) in numbers.iter().enumerate() {
         let stream = Stream::new(5, i as u32, 0);
         let surface = world.surface_at(hit).facing(ray.direction);
         // Every other one has bumps.
-        let tilt = if i % 2 == 0 { 0.6 * UniformSphere.map(stream.uniform2(0)) } else { Vec3::ZERO };
-        let shading_normal = if i % 2 == 0 { (surface.normal + tilt).normalize() } else { surface.normal };
+        let tilted = (surface.normal + 0.6 * UniformSphere.map(stream.uniform2(0))).normalize();
+        let shading_normal = if i % 2 == 0 { tilted } else { surface.normal };
         let mut surface = Surface { shading_normal, ..surface };
         unbent.push(surface);
         let albedo = Lambert.arrive(&world, &mut surface);

@@ -76,8 +76,8 @@ fn surface(world: &World, i: usize) -> Surface<'_> {
     let [u, v, ..] = stream.uniform4(0);
     let surface = world.surface(i as u32, u.min(1.0 - v), v.min(0.9)).facing(UniformSphere.map(stream.uniform2(1)));
     // A third of them with bumps.
-    let tilt = if i % 3 == 1 { 0.5 * UniformSphere.map(stream.uniform2(2)) } else { Vec3::ZERO };
-    let shading_normal = if i % 3 == 1 { (surface.shading_normal + tilt).normalize() } else { surface.shading_normal };
+    let tilted = (surface.shading_normal + 0.5 * UniformSphere.map(stream.uniform2(2))).normalize();
+    let shading_normal = if i % 3 == 1 { tilted } else { surface.shading_normal };
     Surface { shading_normal, ..surface }
 }
 
