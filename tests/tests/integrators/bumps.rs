@@ -112,13 +112,13 @@ fn mapped_bumps_reflect_as_much_of_a_sky_as_real_ones() {
 
 #[test]
 fn all_integrators_reflect_as_much() {
-    // From high up, and so low that many bumps would face away.
+    // From high up, and so low that many bumps would face away. The sun is at the viewer's side: such bumps are lit.
     let [high, low] = [Vec3::new(0.0, -6.0, 6.0), Vec3::new(0.0, -8.0, 1.5)];
     let [diffuse, plastic] = [0.0, 1.0].map(|specular_weight| inputs(0.3, specular_weight, 0.0));
     for (name, inputs, eye) in [("diffuse", diffuse, high), ("diffuse", diffuse, low), ("plastic", plastic, high)] {
         let mut scene = scene(inputs, false);
         scene.camera = scene.camera.map(|camera| CameraPose { eye, ..camera });
-        let sun = Vec3::new(0.3, -0.5, -0.7).normalize();
+        let sun = Vec3::new(0.3, 0.5, -0.7).normalize();
         scene.lights.push(PunctualLight::Directional { direction: sun, irradiance: Vec3::ONE, half_angle: 0.0 });
         let by_paths = mean(&scene, path(LightSampling::Mis, Stop::Depth), 64);
         let others = [
