@@ -11,7 +11,7 @@ use halfdome_kernel::sampling::{Sampler, power, unit_double};
 
 use super::follow::Follow;
 use super::salts;
-use super::secondary_lights::{aim, aimed_density};
+use super::secondary_lights::{aim, aimed_density, lit_at};
 use crate::light::Receiver;
 use crate::world::{Hit, Surface, World};
 
@@ -71,10 +71,9 @@ impl AimedFrom {
     /// there.
     #[inline]
     pub(crate) fn kept(&self, world: &World, ray: &Ray, hit: &Hit, others: f32) -> f32 {
-        match self.count {
-            0 => 1.0,
-            count => power(others, count as f32 * aimed_density(world, &self.receiver, ray, hit)),
-        }
+        let found = if self.count == 0 { None } else { lit_at(world, ray, hit) };
+        let density = |at| self.count as f32 * aimed_density(world, &self.receiver, ray, &at);
+        found.map_or(1.0, |at| power(others, density(at)))
     }
 }
 
@@ -122,8 +121,8 @@ impl AimedRays {
         radiance.clear();
         radiance.resize(rays.len(), Vec3::ZERO);
         world.intersect_many(rays, hits);
-        for (hit, aimed) in hits.iter_mut().zip(aimed) {
-            if hit.prim_id != aimed.prim_id {
+        for ((hit, ray), aimed) in hits.iter_mut().zip(&*rays).zip(aimed) {
+            if lit_at(world, ray, hit).is_none_or(|(at, _)| at.part.cell.prim_id != aimed.prim_id) {
                 *hit = Hit::MISS;
             }
         }

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{Triangle as TriangleWarp, Warp};
 
-use crate::light::{ChosenPart, Receiver};
+use crate::light::{ChosenPart, PartAt, Receiver};
 use crate::settings::LightSampling;
 use crate::world::{Hit, Surface, World, interpolate};
 
@@ -49,17 +49,27 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
     })
 }
 
+/// The secondary light that a ray has come to, and the distance: if it has hit glass, a lamp straight behind that.
+#[inline(always)]
+pub(crate) fn lit_at<'w>(world: &'w World, ray: &Ray, hit: &Hit) -> Option<(PartAt<'w>, f32)> {
+    let lit = &world.lights.lit;
+    let lamp = || {
+        let (id, distance) = world.lamp_behind_glass(ray, hit)?;
+        Some((lit.at(id, Vec2::ZERO)?, distance))
+    };
+    lamp().or_else(|| lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).map(|at| (at, hit.t)))
+}
+
 /// The density per solid angle with which [`aim`] sends a ray of a unit vector from `receiver` to where it hits
 /// something.
 #[inline(always)]
-pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, hit: &Hit) -> f32 {
-    let Some(at) = world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)) else { return 0.0 };
-    let probability = world.lights.lit.probability(&at, receiver);
-    if probability == 0.0 || !at.part.may_reach(-ray.direction, hit.t) {
+pub(crate) fn aimed_density(world: &World, receiver: &Receiver, ray: &Ray, (at, distance): &(PartAt, f32)) -> f32 {
+    let probability = world.lights.lit.probability(at, receiver);
+    if probability == 0.0 || !at.part.may_reach(-ray.direction, *distance) {
         return 0.0;
     }
     let cosine = at.part.light.normal.dot(ray.direction).abs();
-    probability * hit.t * hit.t / (at.part.light.area * cosine)
+    probability * distance * distance / (at.part.light.area * cosine)
 }
 
 /// The factor on the throughput of such a path: `scattered` is `f cos θ`, and `bounce` the density of the surface's own
@@ -129,7 +139,8 @@ mod tests {
                 missed += 1;
                 continue;
             }
-            let density = aimed_density(&world, &receiver, &aimed.ray, &hits[0]);
+            let at = lit_at(&world, &aimed.ray, &hits[0]).unwrap();
+            let density = aimed_density(&world, &receiver, &aimed.ray, &at);
             // What is seen edge-on turns with the place that it is seen from.
             let slack = 0.01 + 1e-8 / aimed.inv_density;
             assert!((density * aimed.inv_density - 1.0).abs() < slack, "{density} and {}", aimed.inv_density);

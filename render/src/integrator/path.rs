@@ -171,7 +171,7 @@ impl Task for Steps<'_, '_> {
             }
         }
         if step.aims() {
-            step.wave.lose_aimed();
+            step.wave.lose_aimed(step.world);
         }
         let ends = step.wave.sort_by_kind(step.world);
         step.miss(ends[Kind::COUNT - 1]);

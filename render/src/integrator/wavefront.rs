@@ -14,6 +14,7 @@ use super::panes::{Crossing, PathsAtPanes};
 use super::shadow_queue::ShadowQueue;
 use super::state::{Path, u_light_choice};
 use crate::bsdf::Scattering;
+use crate::estimator::lit_at;
 use crate::material::Closure;
 use crate::world::{Hit, MIDDLE, Surface, World};
 
@@ -292,10 +293,14 @@ impl Wavefront {
         self.media.get(path).map_or(Vec3::ONE, |media| media.transmittance(world, distance))
     }
 
-    /// Lets paths that were aimed at a triangle and hit another one find nothing.
-    pub(super) fn lose_aimed(&mut self) {
-        for (path, hit) in self.paths.iter_mut().zip(&mut self.hits) {
-            if path.is_aimed() && path.target != hit.prim_id.wrapping_add(1) {
+    /// Lets paths that were aimed at a triangle and have come to another one find nothing.
+    pub(super) fn lose_aimed(&mut self, world: &World) {
+        for ((path, hit), ray) in self.paths.iter_mut().zip(&mut self.hits).zip(&self.rays) {
+            if !path.is_aimed() {
+                continue;
+            }
+            let at = lit_at(world, ray, hit);
+            if at.is_none_or(|(at, _)| path.target != at.part.cell.prim_id + 1) {
                 path.throughput = Vec3::ZERO;
                 *hit = Hit::MISS;
             }

@@ -12,6 +12,7 @@ mod distant;
 mod emitters;
 pub(crate) mod few;
 mod grid;
+mod lamps_in_glass;
 mod receiver;
 mod secondary_lights;
 mod sized;
@@ -31,8 +32,9 @@ use self::distant::Patches;
 pub(crate) use self::emitters::EmissiveParts;
 use self::emitters::Emitters;
 use self::few::FEW;
+pub(crate) use self::lamps_in_glass::{LampBox, LampsInGlass, box_faces};
 pub(crate) use self::receiver::Receiver;
-pub(crate) use self::secondary_lights::{ChosenPart, LitPart, Reach, SecondaryLights};
+pub(crate) use self::secondary_lights::{ChosenPart, LitPart, PartAt, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
 pub(crate) use self::sky::{Openings, SkyLight, SkyPart, SkySample};
 pub(crate) use self::slices::{most_slices, slices};
@@ -62,6 +64,8 @@ pub(crate) struct LightSampler {
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: SecondaryLights,
+    /// Emissive triangles in glass, at which paths aim likewise.
+    pub(crate) lamps_in_glass: LampsInGlass,
     /// Which light a point of a triangle belongs to.
     emitters: PartTable,
     /// The box around all points near an emissive triangle.
@@ -157,6 +161,7 @@ impl LightSampler {
             punctual_numbers,
             sky,
             lit: SecondaryLights::default(),
+            lamps_in_glass: LampsInGlass::default(),
             emitters: table,
             surroundings,
             mean_radiance,

@@ -3,6 +3,7 @@
 mod bumps;
 mod filter_glossy;
 mod heat;
+mod lamps_in_glass;
 mod openness;
 mod stopping;
 

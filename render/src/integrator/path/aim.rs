@@ -5,13 +5,14 @@ use halfdome_kernel::sampling::unit_double;
 use halfdome_kernel::{Ray, Task};
 
 use super::Advance;
-use crate::estimator::{AimedRay, aim, aimed_density, aimed_weight};
+use crate::estimator::{AimedRay, aim, aimed_density, aimed_weight, lit_at};
 use crate::integrator::path_block::{BlockClosures, LANES, PathBlock};
 use crate::integrator::state::Path;
 use crate::integrator::wavefront::first_set;
 use crate::integrator::{RayBatch, Wavefront};
+use crate::light::PartAt;
 use crate::settings::{LightSampling, Stop};
-use crate::world::{Hit, WHITE, World};
+use crate::world::{WHITE, World};
 
 /// The aimed rays of a block's paths, as a task that is compiled for each instruction set.
 struct AimedRays<'a> {
@@ -56,8 +57,8 @@ impl Task for FindLit<'_> {
         for i in 0..block.len {
             let source = block.source[i] as usize;
             let (path, ray, hit) = (&wave.paths[source], &wave.rays[source], &wave.hits[source]);
-            if world.lights.lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).is_some() {
-                block.set_lit(i, kept_beside_aimed(world, path, ray, hit));
+            if let Some(at) = lit_at(world, ray, hit) {
+                block.set_lit(i, kept_beside_aimed(world, path, ray, &at));
             }
         }
     }
@@ -65,12 +66,12 @@ impl Task for FindLit<'_> {
 
 /// The part of what a path finds from a secondary light on that is not left to those that were aimed there.
 #[inline(always)]
-fn kept_beside_aimed(world: &World, path: &Path, ray: &Ray, hit: &Hit) -> f32 {
+fn kept_beside_aimed(world: &World, path: &Path, ray: &Ray, at: &(PartAt, f32)) -> f32 {
     if path.target != 0 || path.is_first() {
         return 1.0;
     }
     let receiver = path.receiver(ray.origin);
-    let density = aimed_density(world, &receiver, ray, hit) * world.lights.lit.chance(&receiver);
+    let density = aimed_density(world, &receiver, ray, at) * world.lights.lit.chance(&receiver);
     LightSampling::Mis.bounce_weight(path.density, density)
 }
 

@@ -31,6 +31,20 @@ impl Material {
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
+    /// The parts of light that it reflects and transmits to many directions, about, without textures. Smooth glass sends
+    /// light on in one direction, and counts as black.
+    pub(crate) fn mean_scattering(&self) -> [Vec3; 2] {
+        let (albedo, inputs) = (self.mean_albedo(), self.even_inputs());
+        if !self.is_glass() {
+            let transmitted = albedo * inputs.diffuse_transmission_weight;
+            return [albedo - transmitted, transmitted];
+        }
+        let share = (1.0 - inputs.base_metalness) * inputs.transmission_weight;
+        let is_smooth = Ggx::new(inputs.specular_roughness, inputs.specular_anisotropy).is_delta();
+        let transmitted = if is_smooth { Vec3::ZERO } else { share * inputs.transmission_color };
+        [(albedo - share).max(Vec3::ZERO), transmitted]
+    }
+
     /// Whether it scatters indirect light nearly as a diffuse surface of its albedo would.
     pub(crate) fn is_nearly_diffuse(&self) -> bool {
         const ROUGH: f32 = 0.25;

@@ -8,6 +8,7 @@
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
+use glam::Vec3;
 use halfdome_kernel::Ray;
 use rayon::prelude::*;
 
@@ -19,17 +20,19 @@ use crate::world::{Surface, World};
 pub(super) const LEAST: f32 = 2.0;
 /// Paths aim at parts of at least this fraction of the mean radiance of candidates, by the variance that they cause.
 const BRIGHT: f32 = 1.0 / 16.0;
-/// From this multiple of the mean irradiance on, paths always aim: found by trial.
+/// From this multiple of the mean irradiance on, paths always aim: found by trial. At lamps in glass, which are hardly found
+/// otherwise, they do from the typical irradiance on.
 const AIM_FROM: f32 = 4.0;
 /// Parts of this multiple of the mean radiance are fierce: bounces find them as fireflies.
 const FIERCE: f32 = 8.0;
 /// If paths aimed at each surface, their time would grow by about this multiple; the first if all parts are fierce.
 const FIERCE_TIME: f32 = 1.5;
 const AIMED_TIME: f32 = 3.5;
-/// The greatest product of variance and time, relative to that without secondary lights; the second for large parts, of
-/// which the estimate is too hopeful: found by trial.
+/// The greatest product of variance and time, relative to that without secondary lights; the second for large parts, and
+/// the third for lamps in glass, of which the estimate is too hopeful: found by trial.
 const MAX_PRODUCT: f32 = 0.9;
 const MAX_LARGE_PRODUCT: f32 = 0.7;
+const MAX_PRODUCT_OF_LAMPS: f32 = 0.5;
 /// The variance of what the estimate does not know of, such as deeper bounces, relative to the squared radiance.
 const UNKNOWN: f32 = 0.5;
 /// Candidates that are chosen for each point.
@@ -77,12 +80,15 @@ impl World {
         let tries: Vec<Vec<Try>> = views.par_iter().map(|view| self.tries(candidates, view)).collect();
         let mut tried = vec![0; candidates.parts().len()];
         let mut variances = vec![0.0; tried.len()];
-        let (mut variance, mut by_variance) = (0.0, 0.0);
+        let (mut variance, mut by_variance, mut by_lamps) = (0.0, 0.0, 0.0);
         for (view, it) in views.iter().zip(&tries).flat_map(|(view, tries)| tries.iter().map(move |it| (view, it))) {
             tried[it.part] += 1;
             variances[it.part] += it.variance(view);
             variance += it.variance(view);
             by_variance += it.variance(view) * it.radiance;
+            if self.lights.lamps_in_glass.are_known_as(candidates.parts()[it.part].cell.prim_id) {
+                by_lamps += it.variance(view);
+            }
         }
         if variance <= 0.0 {
             return None;
@@ -96,13 +102,21 @@ impl World {
         let are_large = !is_fierce && received(least) > mean;
         let (limits, aimed_time) =
             if is_fierce { (vec![least], FIERCE_TIME) } else { (vec![least, FIERCE * mean], AIMED_TIME) };
+        let are_lamps = by_lamps > 0.5 * variance;
         let choice = |limit: f32| {
-            let worth = AIM_FROM * PI * (mean + received(limit));
+            let worth = match are_lamps {
+                true => PI * (mean + typical(&tries, limit)),
+                false => AIM_FROM * PI * (mean + received(limit)),
+            };
             (product(&tries, views, rest + UNKNOWN, (limit, worth), aimed_time), limit, worth)
         };
         let choices = limits.into_iter().map(choice);
         let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-        let most = if are_large { MAX_LARGE_PRODUCT } else { MAX_PRODUCT };
+        let most = match (are_lamps, are_large) {
+            (true, _) => MAX_PRODUCT_OF_LAMPS,
+            (_, true) => MAX_LARGE_PRODUCT,
+            _ => MAX_PRODUCT,
+        };
         if product > most {
             return None;
         }
@@ -132,11 +146,27 @@ impl World {
 
     /// Whether nothing is between a point and the middle of a part.
     fn is_seen(&self, part: &LitPart, point: &Surface) -> bool {
+        let prim_id = part.cell.prim_id;
+        if self.lights.lamps_in_glass.are_known_as(prim_id) {
+            let way = part.light.corners.iter().sum::<Vec3>() / 3.0 - point.position;
+            let lamp = self.lamp_along(&Ray::new(point.origin_towards(way), way));
+            return lamp.is_some_and(|(id, _)| id == prim_id);
+        }
         let place = part.cell.middle();
-        let middle = self.surface(part.cell.prim_id, place.x, place.y);
+        let middle = self.surface(prim_id, place.x, place.y);
         let vector = middle.position - point.position;
         !self.occluded(&Ray::between(point.origin_towards(vector), middle.end_from(point.position)))
     }
+}
+
+/// The geometric mean of what those points receive from parts of this radiance on that see any.
+fn typical(tries: &[Vec<Try>], limit: f32) -> f32 {
+    let received = |tries: &Vec<Try>| {
+        let seen = tries.iter().filter(|it| it.is_seen && it.radiance >= limit);
+        seen.map(|it| it.received).sum::<f32>()
+    };
+    let logarithms: Vec<f32> = tries.iter().map(received).filter(|&it| it > 0.0).map(f32::ln).collect();
+    if logarithms.is_empty() { 0.0 } else { (logarithms.iter().sum::<f32>() / logarithms.len() as f32).exp() }
 }
 
 /// The variance times the time of paths that aim at parts from a radiance on, always from an irradiance on, relative to

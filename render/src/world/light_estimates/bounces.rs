@@ -1,7 +1,8 @@
 //! What cosine-distributed bounces find from points that paths come to: light that lights and the sky send to surfaces,
 //! and that is reflected a few times.
 //!
-//! An approximation for estimates: each surface is diffuse with its material's mean albedo, and glass is black.
+//! An approximation for estimates: each surface is diffuse with its material's mean albedo, rough glass too, and smooth
+//! glass is black.
 
 use std::f32::consts::FRAC_1_PI;
 
@@ -123,17 +124,23 @@ impl World {
         found
     }
 
+    /// All that a triangle's material scatters.
+    fn albedo(&self, prim_id: u32) -> f32 {
+        self.albedos(prim_id).iter().sum()
+    }
+
     /// Sends a ray from each surface, by the cosine, and gives its number, hit and direction. Surfaces that transmit do
     /// that in part.
     fn bounce(&self, from: Vec<(usize, Surface)>, salt: u32) -> Vec<(usize, Hit, Vec3)> {
         let ray = |(number, (index, surface)): (usize, (usize, Surface))| {
             let sampler = Sampler::new(Pattern::Sobol, 0, salt, number as u32);
             let [side, _, x, y] = sampler.uniform4(0);
-            let transmits = side < surface.material.inputs.diffuse_transmission_weight;
+            let [reflected, transmitted] = self.albedos(surface.prim_id);
+            let transmits = side * (reflected + transmitted) < transmitted;
             let surface = if transmits { surface.facing(surface.normal) } else { surface };
             let direction = surface.frame().to_world(CosineHemisphere.map(Vec2::new(x, y)));
-            let is_outside = surface.normal.dot(direction) > 0.0 && !surface.material.is_glass();
-            is_outside.then(|| (index, Ray::new(surface.origin_towards(direction), direction)))
+            let is_sent = surface.normal.dot(direction) > 0.0 && reflected + transmitted > 0.0;
+            is_sent.then(|| (index, Ray::new(surface.origin_towards(direction), direction)))
         };
         let (numbers, rays): (Vec<usize>, Vec<Ray>) = from.into_iter().enumerate().filter_map(ray).unzip();
         let mut hits = vec![Hit::MISS; rays.len()];

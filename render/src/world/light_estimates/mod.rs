@@ -4,9 +4,11 @@
 
 mod aim_plan;
 mod bounces;
+mod lamps_in_glass;
 mod light_shares;
 mod light_visibility;
 mod openings;
 mod reflected;
 mod secondary_lights;
 pub(super) mod seen_points;
+mod through_glass;

@@ -1,7 +1,8 @@
 //! An approximation of the direct light that surfaces scatter.
 //!
 //! A sample of the irradiance is the light tree's estimate without shadows if a shadow ray arrives, and the radiance of
-//! the sky without its sun in a cosine-distributed direction. A material has its mean albedo.
+//! the sky without its sun in a cosine-distributed direction. A material has its mean albedo, and rough glass
+//! transmits as a diffuse surface would.
 
 use std::f32::consts::{FRAC_1_PI, PI};
 
@@ -12,23 +13,27 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
 use crate::scene::PunctualLight;
-use crate::world::{Surface, World};
+use crate::world::{Hit, Surface, World};
 
 /// Points of a part of a surface at which its light is estimated.
 const POINTS: u32 = 4;
+/// The same of glass, which light comes to by many ways.
+const GLASS_POINTS: u32 = 16;
 
 impl World {
-    /// The albedo of a triangle's material, as luminance.
-    pub(super) fn albedo(&self, prim_id: u32) -> f32 {
+    /// The parts of light that a triangle's material reflects and transmits, as luminance.
+    pub(super) fn albedos(&self, prim_id: u32) -> [f32; 2] {
         let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        luminance_weight(material.mean_albedo()).min(1.0)
+        material.mean_scattering().map(|part| luminance_weight(part).min(1.0))
     }
 
     /// Whether lamps may cause so much scattered light at a triangle, if nothing is in between.
     pub(super) fn may_be_lit_by_lamps(&self, prim_id: u32, least: f32) -> bool {
         let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
         let lamps = |side: Vec3| self.lights.lamp_irradiance(&Receiver::new(middle.position, side, false));
-        lamps(middle.normal).max(lamps(-middle.normal)) * self.albedo(prim_id) * FRAC_1_PI >= least
+        let white = lamps(middle.normal).max(lamps(-middle.normal)) * FRAC_1_PI;
+        // Most triangles are far from lamps, whatever their albedo.
+        white >= least && white * self.albedos(prim_id).iter().sum::<f32>() >= least
     }
 
     /// A part of a triangle as the light that it is by what it scatters, if that is at least so bright. `indirect` is the
@@ -37,19 +42,25 @@ impl World {
         let prim_id = part.prim_id;
         let record = &self.triangle_records[prim_id as usize];
         let material = &self.materials[record.material as usize];
-        if self.albedo(prim_id) <= 0.0 || material.is_glass() {
+        if self.albedos(prim_id) == [0.0; 2] {
             return None;
         }
-        let mut sides = [indirect; 2];
-        for number in 0..POINTS {
+        let is_glass = material.is_glass();
+        let points = if is_glass { GLASS_POINTS } else { POINTS };
+        let mut sides = if is_glass { [0.0; 2] } else { [indirect; 2] };
+        for number in 0..points {
             let place = TriangleWarp.map(Sampler::new(Pattern::Sobol, 0, prim_id, number).uniform2(3));
             let place = part.place(place);
             let front = self.surface(prim_id, place.x, place.y);
             let back = front.facing(front.normal);
-            sides[0] += self.scattered(&front, number) / POINTS as f32;
-            sides[1] += self.scattered(&back, number) / POINTS as f32;
-            // Most parts are dark, which two points tell.
-            if number == 1 && sides[0].max(sides[1]) < least * 0.25 {
+            for (radiance, side) in sides.iter_mut().zip([front, back]) {
+                *radiance += self.scattered(&side, number) / points as f32;
+                if is_glass {
+                    *radiance += self.through_glass(&side, number) / points as f32;
+                }
+            }
+            // Most parts are dark, which half of the points tell.
+            if number == points / 2 - 1 && sides[0].max(sides[1]) < least * 0.25 {
                 return None;
             }
         }
@@ -65,15 +76,27 @@ impl World {
 
     /// A sample, by its number, of the mean radiance of a side of a surface by light that it reflects or transmits.
     pub(super) fn scattered(&self, side: &Surface, number: u32) -> f32 {
-        let albedo = self.albedo(side.prim_id) * FRAC_1_PI;
-        if albedo <= 0.0 {
+        let [reflected, transmitted] = self.albedos(side.prim_id).map(|albedo| albedo * FRAC_1_PI);
+        let scattered = |albedo: f32, side: &Surface| {
+            if albedo > 0.0 { albedo * self.irradiance_samples(side, number).iter().sum::<f32>() } else { 0.0 }
+        };
+        scattered(reflected, side) + scattered(transmitted, &side.facing(side.normal))
+    }
+
+    /// A sample, by its number, of the mean radiance of a side of glass by light that the next surface behind it
+    /// scatters, such as the other face of a globe around a lamp.
+    fn through_glass(&self, side: &Surface, number: u32) -> f32 {
+        let [_, transmitted] = self.albedos(side.prim_id);
+        let behind = side.facing(side.normal);
+        let u = Sampler::new(Pattern::Sobol, 0, side.prim_id, number).uniform2(4);
+        let direction = behind.frame().to_world(CosineHemisphere.map(u));
+        if transmitted == 0.0 || behind.normal.dot(direction) <= 0.0 {
             return 0.0;
         }
-        let transmitted = side.material.inputs.diffuse_transmission_weight;
-        let irradiance = |side: &Surface| self.irradiance_samples(side, number).iter().sum::<f32>();
-        let reflected = (1.0 - transmitted) * irradiance(side);
-        let other = if transmitted > 0.0 { transmitted * irradiance(&side.facing(side.normal)) } else { 0.0 };
-        albedo * (reflected + other)
+        let mut hits = [Hit::MISS];
+        self.intersect_many(&[Ray::new(behind.origin_towards(direction), direction)], &mut hits);
+        let next = hits[0].is_hit().then(|| self.surface_at(&hits[0]).facing(direction));
+        next.map_or(0.0, |next| transmitted * self.scattered(&next, number))
     }
 
     /// Samples of a side's irradiance by lights and by the sky, by their number.
@@ -95,19 +118,28 @@ impl World {
     }
 
     /// Whether nothing is between a surface and the point of a light that the numbers mean.
-    fn is_reached(&self, side: &Surface, light: u32, u: Vec2) -> bool {
-        let light = &self.lights.lights()[light as usize];
+    fn is_reached(&self, side: &Surface, number: u32, u: Vec2) -> bool {
+        let light = &self.lights.lights()[number as usize];
         let is_punctual = matches!(light, Light::Punctual(_));
         let end = match light {
             Light::Triangle(part) => {
                 let point = part.place(TriangleWarp.map(u));
-                self.surface(part.prim_id, point.x, point.y).end_from(side.position)
+                let end = self.surface(part.prim_id, point.x, point.y).end_from(side.position);
+                if self.lights.lamps_in_glass.contain(part.prim_id) {
+                    return self.shows_lamp(side, end);
+                }
+                end
             }
             Light::Punctual(
                 PunctualLight::Point { position, .. }
                 | PunctualLight::Spot { position, .. }
                 | PunctualLight::Profiled { position, .. },
-            ) => *position,
+            ) => {
+                if self.lights.lamps_in_glass.contain_point(number) {
+                    return self.shows_lamp(side, *position);
+                }
+                *position
+            }
             Light::Punctual(PunctualLight::Directional { direction, .. }) => {
                 return !self.occluded(&self.beyond_glass(Ray::new(side.origin_towards(-*direction), -*direction)));
             }
@@ -120,5 +152,12 @@ impl World {
         };
         let ray = Ray::between(side.origin_towards(end - side.position), end);
         !self.occluded(&if is_punctual { self.beyond_glass(ray) } else { ray })
+    }
+
+    /// Whether a lamp in glass shows at a point, straight through the glass, to a surface that is no part of it.
+    fn shows_lamp(&self, side: &Surface, point: Vec3) -> bool {
+        let way = point - side.position;
+        let ray = Ray::new(side.origin_towards(way), way);
+        !side.material.is_glass() && self.lamp_along(&ray).is_some()
     }
 }

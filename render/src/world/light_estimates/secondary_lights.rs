@@ -17,8 +17,8 @@ use rayon::prelude::*;
 use super::aim_plan::{AimPlan, LEAST};
 use super::bounces::{Bounce, INDIRECT_SALT, View};
 use super::seen_points::SeenPoints;
-use crate::light::{Division, LitPart, Reach, SecondaryLights, TrianglePart, area};
-use crate::world::{Hit, World};
+use crate::light::{Division, LampsInGlass, LitPart, Reach, SecondaryLights, TrianglePart, area};
+use crate::world::{Hit, MIDDLE, World, interpolate};
 
 /// The part of the total area from which on triangles are divided, if bounces find them lit.
 const SMALL: f64 = 1e-3;
@@ -34,6 +34,8 @@ const INDIRECT_PATHS: usize = 32;
 /// The least variance of what bounces find of direct light, relative to the radiance where they come from. Below this
 /// they suffice.
 const MIN_VARIANCE: f32 = 3.0;
+/// The mean radiance that bounces find is taken for no less than this part of that by direct light.
+const LEAST_INDIRECT: f32 = 1e-2;
 /// Values above this multiple of the mean are clamped in a mean of few.
 const OUTLIER: f32 = 8.0;
 /// Rays that measure how far the light of a part reaches: of all together, and the least and the most of each.
@@ -56,14 +58,17 @@ struct Found {
 impl World {
     /// Finds the secondary lights.
     pub(crate) fn find_secondary_lights(&mut self, points: &SeenPoints) {
-        if let Some(lit) = self.secondary_lights_that_pay(points) {
-            self.lights.lit = lit;
+        self.lights.lamps_in_glass = self.find_lamps_in_glass();
+        match self.secondary_lights_that_pay(points) {
+            Some(lit) => self.lights.lit = lit,
+            None => self.forget_secondary_lights(),
         }
     }
 
     /// Removes all secondary lights.
     pub(crate) fn forget_secondary_lights(&mut self) {
         self.lights.lit = SecondaryLights::default();
+        self.lights.lamps_in_glass = LampsInGlass::default();
     }
 
     /// The parts that are worth sampling.
@@ -73,11 +78,20 @@ impl World {
         let direct = mean_without_outliers(&bounces);
         let is_lit = |bounce: &&Bounce| bounce.direct >= LEAST * direct;
         let lit = bounces.iter().filter(is_lit).map(|it| (it.direct / (views[it.view].radiance + direct)).powi(2));
-        if direct <= 0.0 || lit.sum::<f32>() < MIN_VARIANCE * bounces.len() as f32 {
+        let is_little = lit.sum::<f32>() < MIN_VARIANCE * bounces.len() as f32;
+        if (direct <= 0.0 || is_little) && self.lights.lamps_in_glass.is_empty() {
             return None;
         }
         self.add_indirect(&mut bounces);
-        let mean = mean_without_outliers(&bounces);
+        let mut mean = mean_without_outliers(&bounces);
+        if !self.lights.lamps_in_glass.is_empty() {
+            // Bounces find none of their light.
+            let seen = views.iter().map(|view| view.radiance).sum::<f32>() / views.len() as f32;
+            mean = mean.max(LEAST_INDIRECT * seen);
+        }
+        if mean <= 0.0 {
+            return None;
+        }
         // Their indirect light, about.
         views.iter_mut().for_each(|view| view.radiance += mean);
         let least = LEAST * mean;
@@ -85,9 +99,12 @@ impl World {
         let smallest = SMALL * self.still_records().par_iter().map(|it| f64::from(area(&it.corners))).sum::<f64>();
         let divisions = self.divisions(&found, smallest);
         let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division::WHOLE);
-        let triangles = self.triangle_records.len();
+        let lamps = &self.lights.lamps_in_glass;
+        let triangles = self.triangle_records.len() + lamps.parts().len();
         let small = self.small_candidates(&found, smallest, least);
-        let all = SecondaryLights::new(self.candidates(&found, small, &divisions, least), division, triangles);
+        let mut candidates = self.candidates(&found, small, &divisions, least);
+        candidates.extend_from_slice(lamps.parts());
+        let all = SecondaryLights::new(candidates, division, triangles);
         let rest = bounces.iter().map(|it| (it.radiance().min(least) / views[it.view].radiance).powi(2)).sum::<f32>();
         let AimPlan { parts, worth, are_large } =
             self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
@@ -184,17 +201,29 @@ impl World {
     /// The reach of a part's light, by so many rays; misses count as far.
     fn reach(&self, part: &LitPart, count: u32) -> Reach {
         let LitPart { cell, light, .. } = part;
+        let is_lamp = self.lights.lamps_in_glass.are_known_as(cell.prim_id);
         let sampler = |number| Sampler::new(Pattern::Sobol, 0, cell.prim_id, number);
         let ray = |number: u32| {
             let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
-            let point = cell.place(TriangleWarp.map(Vec2::new(x, y)));
+            let point = TriangleWarp.map(Vec2::new(x, y));
             let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
             let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
-            Ray::new(self.surface(cell.prim_id, point.x, point.y).origin_towards(direction), direction)
+            let origin = match is_lamp {
+                true => interpolate(light.corners, [1.0 - point.x - point.y, point.x, point.y]),
+                false => {
+                    let place = cell.place(point);
+                    self.surface(cell.prim_id, place.x, place.y).origin_towards(direction)
+                }
+            };
+            Ray::new(origin, direction)
         };
         let rays: Vec<Ray> = (0..count).map(ray).collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         self.intersect_many(&rays, &mut hits);
+        if is_lamp {
+            let behind = |(hit, ray): (&mut Hit, &Ray)| *hit = self.straight_behind_glass(ray, hit, MIDDLE);
+            hits.iter_mut().zip(&rays).for_each(behind);
+        }
         // A miss is as far away as anything.
         Reach::of(rays.iter().zip(&hits).map(|(ray, hit)| (ray.direction, hit.t)))
     }

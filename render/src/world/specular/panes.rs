@@ -101,6 +101,19 @@ impl World {
         (hit, transmittance)
     }
 
+    /// What a ray that has hit glass would hit straight behind all glass.
+    pub(crate) fn straight_behind_glass(&self, ray: &Ray, hit: &Hit, time: f32) -> Hit {
+        let (mut ray, mut hit) = (*ray, *hit);
+        for _ in 0..MAX_FACES {
+            if !self.is_clear_glass(&hit) {
+                break;
+            }
+            ray.t_min = hit.t.next_up();
+            hit = self.intersect_at(&ray, time);
+        }
+        hit
+    }
+
     /// The part of a shadow ray behind all panes on its straight way, and their transmittance; `None` if glass bends it, or
     /// if something is in front of a pane or inside.
     #[inline]
