@@ -52,16 +52,11 @@ impl World {
         let numbers = |lights: &[LightInGlass]| lights.iter().map(|light| light.number).collect();
         let (emitters, punctual): (Vec<u32>, Vec<u32>) = (numbers(&triangles), numbers(&points));
         let rays_per_lamp = self.arriving_rays(triangles.len());
-        let arriving = |lamp: LampBox| LampBox {
-            radiance: lamp.radiance * self.arriving(&lamp.bounds, &emitters, rays_per_lamp),
-            ..lamp
+        let seen = |lamp: LampBox| {
+            let part = self.arriving(&lamp.bounds, &emitters, rays_per_lamp);
+            (part > LEAST_ARRIVING).then_some(LampBox { radiance: part * lamp.radiance, ..lamp })
         };
-        let all = |lamp: &LampBox| lamp.radiance;
-        let mut boxes: Vec<LampBox> = self.boxes(&triangles);
-        boxes = boxes
-            .into_par_iter()
-            .filter_map(|lamp| Some(arriving(lamp)).filter(|it| it.radiance > LEAST_ARRIVING * all(&lamp)))
-            .collect();
+        let mut boxes: Vec<LampBox> = self.boxes(&triangles).into_par_iter().filter_map(seen).collect();
         boxes.extend(self.boxes(&points));
         LampsInGlass::new([emitters, punctual], &boxes, self.triangle_records.len() as u32)
     }

@@ -13,7 +13,7 @@ use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
 use crate::scene::PunctualLight;
-use crate::world::{Hit, Surface, World};
+use crate::world::{MIDDLE, Surface, World};
 
 /// Points of a part of a surface at which its light is estimated.
 const POINTS: u32 = 4;
@@ -93,10 +93,11 @@ impl World {
         if transmitted == 0.0 || behind.normal.dot(direction) <= 0.0 {
             return 0.0;
         }
-        let mut hits = [Hit::MISS];
-        self.intersect_many(&[Ray::new(behind.origin_towards(direction), direction)], &mut hits);
-        let next = hits[0].is_hit().then(|| self.surface_at(&hits[0]).facing(direction));
-        next.map_or(0.0, |next| transmitted * self.scattered(&next, number))
+        let hit = self.intersect_at(&Ray::new(behind.origin_towards(direction), direction), MIDDLE);
+        if !hit.is_hit() {
+            return 0.0;
+        }
+        transmitted * self.scattered(&self.surface_at(&hit).facing(direction), number)
     }
 
     /// Samples of a side's irradiance by lights and by the sky, by their number.
