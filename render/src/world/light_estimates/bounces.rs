@@ -12,6 +12,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 use rayon::prelude::*;
 
+use super::reflected::albedos;
 use super::seen_points::SeenPoints;
 use crate::world::{Hit, Surface, World};
 
@@ -98,7 +99,7 @@ impl World {
     pub(super) fn indirect(&self, from: Vec<Surface>, salt: u32) -> Vec<f32> {
         let mut found = vec![0.0; from.len()];
         // The number of each path, and the albedo of the surfaces that it has come to.
-        let mut paths: Vec<(usize, f32)> = from.iter().map(|side| self.albedo(side.prim_id)).enumerate().collect();
+        let mut paths: Vec<(usize, f32)> = from.iter().map(|side| albedo(side)).enumerate().collect();
         let mut from: Vec<(usize, Surface)> = from.into_iter().enumerate().collect();
         for depth in 0..DEPTH {
             let hits = self.bounce(from, salt + depth);
@@ -116,17 +117,12 @@ impl World {
                 .map(|((path, ..), (surface, light))| {
                     let (number, throughput) = paths[*path];
                     found[number] += throughput * light;
-                    (number, throughput * self.albedo(surface.prim_id))
+                    (number, throughput * albedo(surface))
                 })
                 .collect();
             from = next.into_iter().map(|(surface, _)| surface).enumerate().collect();
         }
         found
-    }
-
-    /// All that a triangle's material scatters.
-    fn albedo(&self, prim_id: u32) -> f32 {
-        self.albedos(prim_id).iter().sum()
     }
 
     /// Sends a ray from each surface, by the cosine, and gives its number, hit and direction. Surfaces that transmit do
@@ -135,7 +131,7 @@ impl World {
         let ray = |(number, (index, surface)): (usize, (usize, Surface))| {
             let sampler = Sampler::new(Pattern::Sobol, 0, salt, number as u32);
             let [side, _, x, y] = sampler.uniform4(0);
-            let [reflected, transmitted] = self.albedos(surface.prim_id);
+            let [reflected, transmitted] = albedos(surface.material);
             let transmits = side * (reflected + transmitted) < transmitted;
             let surface = if transmits { surface.facing(surface.normal) } else { surface };
             let direction = surface.frame().to_world(CosineHemisphere.map(Vec2::new(x, y)));
@@ -148,4 +144,9 @@ impl World {
         let hits = numbers.into_iter().zip(hits).zip(rays).filter(|((_, hit), _)| hit.is_hit());
         hits.map(|((number, hit), ray)| (number, hit, ray.direction)).collect()
     }
+}
+
+/// All that a surface's material scatters.
+fn albedo(surface: &Surface) -> f32 {
+    albedos(surface.material).iter().sum()
 }

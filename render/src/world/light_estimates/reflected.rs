@@ -12,7 +12,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
-use crate::scene::PunctualLight;
+use crate::scene::{Material, PunctualLight};
 use crate::world::{MIDDLE, Surface, World};
 
 /// Points of a part of a surface at which its light is estimated.
@@ -20,20 +20,19 @@ const POINTS: u32 = 4;
 /// The same of glass, which light comes to by many ways.
 const GLASS_POINTS: u32 = 16;
 
-impl World {
-    /// The parts of light that a triangle's material reflects and transmits, as luminance.
-    pub(super) fn albedos(&self, prim_id: u32) -> [f32; 2] {
-        let material = &self.materials[self.triangle_records[prim_id as usize].material as usize];
-        material.mean_scattering().map(|part| luminance_weight(part).min(1.0))
-    }
+/// The parts of light that a material reflects and transmits, as luminance.
+pub(super) fn albedos(material: &Material) -> [f32; 2] {
+    material.mean_scattering().map(|part| luminance_weight(part).min(1.0))
+}
 
+impl World {
     /// Whether lamps may cause so much scattered light at a triangle, if nothing is in between.
     pub(super) fn may_be_lit_by_lamps(&self, prim_id: u32, least: f32) -> bool {
         let middle = self.surface(prim_id, 1.0 / 3.0, 1.0 / 3.0);
         let lamps = |side: Vec3| self.lights.lamp_irradiance(&Receiver::new(middle.position, side, false));
         let white = lamps(middle.normal).max(lamps(-middle.normal)) * FRAC_1_PI;
         // Most triangles are far from lamps, whatever their albedo.
-        white >= least && white * self.albedos(prim_id).iter().sum::<f32>() >= least
+        white >= least && white * albedos(middle.material).iter().sum::<f32>() >= least
     }
 
     /// A part of a triangle as the light that it is by what it scatters, if that is at least so bright. `indirect` is the
@@ -42,7 +41,7 @@ impl World {
         let prim_id = part.prim_id;
         let record = &self.triangle_records[prim_id as usize];
         let material = &self.materials[record.material as usize];
-        if self.albedos(prim_id) == [0.0; 2] {
+        if albedos(material) == [0.0; 2] {
             return None;
         }
         let is_glass = material.is_glass();
@@ -76,7 +75,7 @@ impl World {
 
     /// A sample, by its number, of the mean radiance of a side of a surface by light that it reflects or transmits.
     pub(super) fn scattered(&self, side: &Surface, number: u32) -> f32 {
-        let [reflected, transmitted] = self.albedos(side.prim_id).map(|albedo| albedo * FRAC_1_PI);
+        let [reflected, transmitted] = albedos(side.material).map(|albedo| albedo * FRAC_1_PI);
         let scattered = |albedo: f32, side: &Surface| {
             if albedo > 0.0 { albedo * self.irradiance_samples(side, number).iter().sum::<f32>() } else { 0.0 }
         };
@@ -86,7 +85,7 @@ impl World {
     /// A sample, by its number, of the mean radiance of a side of glass by light that the next surface behind it
     /// scatters, such as the other face of a globe around a lamp.
     fn through_glass(&self, side: &Surface, number: u32) -> f32 {
-        let [_, transmitted] = self.albedos(side.prim_id);
+        let [_, transmitted] = albedos(side.material);
         let behind = side.facing(side.normal);
         let u = Sampler::new(Pattern::Sobol, 0, side.prim_id, number).uniform2(4);
         let direction = behind.frame().to_world(CosineHemisphere.map(u));
