@@ -99,7 +99,7 @@ impl World {
     pub(super) fn indirect(&self, from: Vec<Surface>, salt: u32) -> Vec<f32> {
         let mut found = vec![0.0; from.len()];
         // The number of each path, and the albedo of the surfaces that it has come to.
-        let mut paths: Vec<(usize, f32)> = from.iter().map(|side| albedo(side)).enumerate().collect();
+        let mut paths: Vec<(usize, f32)> = from.iter().map(albedo).enumerate().collect();
         let mut from: Vec<(usize, Surface)> = from.into_iter().enumerate().collect();
         for depth in 0..DEPTH {
             let hits = self.bounce(from, salt + depth);
