@@ -16,8 +16,10 @@ use super::tree::leaf::TriangleLight;
 /// The lamps in glass of a world.
 #[derive(Debug, Default)]
 pub(crate) struct LampsInGlass {
-    /// The emissive triangles, and the numbers of points and spots, ascending.
-    lights: [Vec<u32>; 2],
+    /// The emissive triangles, ascending.
+    triangles: Vec<u32>,
+    /// The numbers of points and spots, ascending.
+    points: Vec<u32>,
     /// The triangles of the boxes as secondary lights, whose `prim_id`s follow those of the scene.
     parts: Vec<LitPart>,
     tree: Option<Bvh>,
@@ -35,7 +37,7 @@ pub(crate) struct LampBox {
 impl LampsInGlass {
     /// These lamps, which consist of emissive triangles, and points and spots, by numbers that ascend, in a scene whose
     /// `prim_id`s are below `first`.
-    pub(crate) fn new(lights: [Vec<u32>; 2], lamps: &[LampBox], first: u32) -> Self {
+    pub(crate) fn new((triangles, points): (Vec<u32>, Vec<u32>), lamps: &[LampBox], first: u32) -> Self {
         let faces = lamps.iter().flat_map(|lamp| box_faces(&lamp.bounds).map(|corners| (corners, lamp.radiance)));
         let part = |(corners, radiance): (Triangle, f32), prim_id| {
             let normal = triangle_normal(&corners);
@@ -45,7 +47,7 @@ impl LampsInGlass {
         let parts: Vec<LitPart> = faces.zip(first..).map(|(face, prim_id)| part(face, prim_id)).collect();
         let corners: Vec<Triangle> = parts.iter().map(|part| part.light.corners).collect();
         let tree = Bvh::build(&corners, &Quality::Fast.into()).ok().map(|(tree, _)| tree);
-        Self { lights, tree: tree.filter(|_| !corners.is_empty()), parts, first }
+        Self { triangles, points, tree: tree.filter(|_| !corners.is_empty()), parts, first }
     }
 
     /// Whether there are none.
@@ -56,12 +58,12 @@ impl LampsInGlass {
 
     /// Whether an emissive triangle belongs to one.
     pub(crate) fn contain(&self, triangle: u32) -> bool {
-        self.lights[0].binary_search(&triangle).is_ok()
+        self.triangles.binary_search(&triangle).is_ok()
     }
 
     /// Whether a point or spot of this number does.
     pub(crate) fn contain_point(&self, light: u32) -> bool {
-        self.lights[1].binary_search(&light).is_ok()
+        self.points.binary_search(&light).is_ok()
     }
 
     /// The triangles of all boxes.
@@ -118,7 +120,7 @@ mod tests {
     #[test]
     fn rays_find_the_first_box_beyond_a_distance() {
         let lamps = [lamp(Vec3::splat(-1.0), Vec3::ONE), lamp(Vec3::new(-1.0, -1.0, 4.0), Vec3::new(1.0, 1.0, 6.0))];
-        let lamps = LampsInGlass::new([vec![3, 8], vec![5]], &lamps, 100);
+        let lamps = LampsInGlass::new((vec![3, 8], vec![5]), &lamps, 100);
         let ray = Ray::new(Vec3::new(0.1, 0.2, -5.0), Vec3::Z);
         let box_of = |from: f32| lamps.beyond(&ray, from).map(|(id, distance)| ((id - 100) / 12, distance));
         assert_eq!([0.0, 7.0, 12.0].map(box_of), [Some((0, 4.0)), Some((1, 9.0)), None]);
@@ -129,7 +131,7 @@ mod tests {
 
     #[test]
     fn without_lamps_nothing_is_found() {
-        for lamps in [LampsInGlass::default(), LampsInGlass::new([Vec::new(), Vec::new()], &[], 7)] {
+        for lamps in [LampsInGlass::default(), LampsInGlass::new((Vec::new(), Vec::new()), &[], 7)] {
             assert!(lamps.is_empty() && !lamps.are_known_as(7));
             assert_eq!(lamps.beyond(&Ray::new(Vec3::ZERO, Vec3::Z), 0.0), None);
         }

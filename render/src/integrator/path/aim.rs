@@ -57,8 +57,13 @@ impl Task for FindLit<'_> {
         for i in 0..block.len {
             let source = block.source[i] as usize;
             let (path, ray, hit) = (&wave.paths[source], &wave.rays[source], &wave.hits[source]);
-            if let Some(at) = lit_at(world, ray, hit) {
-                block.set_lit(i, kept_beside_aimed(world, path, ray, &at));
+            // Aimed paths that have not arrived are lost before.
+            let kept = match path.is_aimed() {
+                true => Some(1.0),
+                false => lit_at(world, ray, hit).map(|at| kept_beside_aimed(world, path, ray, &at)),
+            };
+            if let Some(kept) = kept {
+                block.set_lit(i, kept);
             }
         }
     }

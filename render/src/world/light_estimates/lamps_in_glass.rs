@@ -11,6 +11,7 @@ use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use halfdome_kernel::{Aabb, Ray, Triangle};
 use rayon::prelude::*;
 
+use super::through_glass::arriving_rays;
 use crate::light::{LampBox, LampsInGlass, Light, area, luminance_weight};
 use crate::material::ggx::Ggx;
 use crate::scene::{PunctualLight, UnionFind};
@@ -51,14 +52,15 @@ impl World {
         let (triangles, points) = (self.emitters_in_glass(), self.points_in_glass());
         let numbers = |lights: &[LightInGlass]| lights.iter().map(|light| light.number).collect();
         let (emitters, punctual): (Vec<u32>, Vec<u32>) = (numbers(&triangles), numbers(&points));
-        let rays_per_lamp = self.arriving_rays(triangles.len());
+        let boxes = self.boxes(&triangles);
+        let rays = arriving_rays(boxes.len());
         let seen = |lamp: LampBox| {
-            let part = self.arriving(&lamp.bounds, &emitters, rays_per_lamp);
+            let part = self.arriving(&lamp.bounds, &emitters, rays);
             (part > LEAST_ARRIVING).then_some(LampBox { radiance: part * lamp.radiance, ..lamp })
         };
-        let mut boxes: Vec<LampBox> = self.boxes(&triangles).into_par_iter().filter_map(seen).collect();
+        let mut boxes: Vec<LampBox> = boxes.into_par_iter().filter_map(seen).collect();
         boxes.extend(self.boxes(&points));
-        LampsInGlass::new([emitters, punctual], &boxes, self.triangle_records.len() as u32)
+        LampsInGlass::new((emitters, punctual), &boxes, self.triangle_records.len() as u32)
     }
 
     /// The emissive triangles in glass, ascending.
@@ -73,12 +75,14 @@ impl World {
         let count = (RAYS / emissive.len().max(1)).min(MOST_RAYS) as u32;
         let in_glass = |number: u32| {
             let record = &self.triangle_records[number as usize];
-            let ray = |[x, y]: [f32; 2], v: Vec2| {
+            let ray = |side: Vec3, [x, y]: [f32; 2], v: Vec2| {
                 let point = TriangleWarp.map(Vec2::new(x, y));
-                let direction = Frame::from_normal(record.normal).to_world(CosineHemisphere.map(v));
+                let direction = Frame::from_normal(side).to_world(CosineHemisphere.map(v));
                 Ray::new(self.surface(number, point.x, point.y).origin_towards(direction), direction)
             };
-            let (distance, alpha) = self.glass_around((number, count), ray)?;
+            // The winding may be opposite to the side that emits.
+            let glass_before = |side: Vec3| self.glass_around((number, count), |point, v| ray(side, point, v));
+            let (distance, alpha) = glass_before(record.normal).or_else(|| glass_before(-record.normal))?;
             let material = self.materials[record.material as usize].without_maps(&self.textures);
             let sides = if material.emits_both_sides { 2.0 } else { 1.0 };
             let power = sides * area(&record.corners) * luminance_weight(material.emission);
@@ -162,16 +166,14 @@ impl World {
 
 /// The box around the lights of one lamp.
 fn lamp_box(lights: &[LightInGlass]) -> LampBox {
-    let (mut bounds, mut distance, mut alpha) = (Aabb::EMPTY, f32::INFINITY, 0.0_f32);
-    for light in lights {
-        light.corners.iter().for_each(|&corner| bounds = bounds.union(&Aabb { min: corner, max: corner }));
-        (distance, alpha) = (distance.min(light.distance), alpha.max(light.alpha));
-    }
-    let margin = distance * (LEAST_MARGIN + MARGIN_BY_ALPHA * alpha).min(MOST_MARGIN);
-    let bounds = Aabb { min: bounds.min - margin, max: bounds.max + margin };
-    let size: Vec3 = bounds.max - bounds.min;
-    let area = 2.0 * (size.x * size.y + size.y * size.z + size.z * size.x);
-    LampBox { bounds, radiance: lights.iter().map(|light| light.power).sum::<f32>() / area }
+    let corners: Vec<Vec3> = lights.iter().flat_map(|light| light.corners).collect();
+    let distance = lights.iter().map(|light| light.distance).fold(f32::INFINITY, f32::min);
+    let alpha = lights.iter().map(|light| light.alpha).fold(0.0, f32::max);
+    let (around, margin) =
+        (Aabb::around(&corners), distance * (LEAST_MARGIN + MARGIN_BY_ALPHA * alpha).min(MOST_MARGIN));
+    let bounds = Aabb { min: around.min - margin, max: around.max + margin };
+    let power = lights.iter().map(|light| light.power).sum::<f32>();
+    LampBox { bounds, radiance: power / (2.0 * bounds.half_area()) }
 }
 
 #[cfg(test)]
@@ -179,7 +181,7 @@ mod tests {
     use std::f32::consts::PI;
 
     use super::*;
-    use crate::light::box_faces;
+    use crate::light::{LitPart, box_faces};
     use crate::material::Inputs;
     use crate::scene::{CameraPose, Material, Mesh, Scene};
 
@@ -213,6 +215,19 @@ mod tests {
 
     /// Cubes that emit in shells of glass of this roughness, at x = 0 and 3, and one without glass at x = 6.
     fn world(roughness: f32, lights: Vec<PunctualLight>) -> World {
+        World::new(scene(roughness, lights)).unwrap()
+    }
+
+    /// The same with lamps of the opposite winding, which emit from both sides.
+    fn turned_world() -> World {
+        let mut scene = scene(0.0, Vec::new());
+        scene.materials[2].emits_both_sides = true;
+        let lamps = scene.meshes.iter_mut().filter(|mesh| mesh.material == 2);
+        lamps.flat_map(|mesh| &mut mesh.triangles).for_each(|corners| corners.swap(1, 2));
+        World::new(scene).unwrap()
+    }
+
+    fn scene(roughness: f32, lights: Vec<PunctualLight>) -> Scene {
         let places = [0.0, 3.0, 6.0].map(|x| Vec3::new(x, 0.0, 0.0));
         let lamps = places.map(|place| cube(place, 0.1));
         let glasses =
@@ -224,15 +239,13 @@ mod tests {
         let of = |material: usize| move |mesh: Mesh| Mesh { material, ..mesh };
         let meshes = [floor].into_iter().chain(glasses.map(of(1))).chain(lamps.map(of(2))).collect();
         let camera = CameraPose { eye: Vec3::new(0.0, -9.0, 3.0), target: Vec3::ZERO, up: Vec3::Z, vfov: 60.0 };
-        World::new(Scene { meshes, materials, lights, camera: Some(camera), ..Scene::default() }).unwrap()
+        Scene { meshes, materials, lights, camera: Some(camera), ..Scene::default() }
     }
 
     fn boxes(world: &World) -> Vec<(Aabb, f32)> {
         let lamps = world.find_lamps_in_glass();
-        let bounds = |faces: &[crate::light::LitPart]| {
-            let corners = faces.iter().flat_map(|face| face.light.corners);
-            corners.fold(Aabb::EMPTY, |bounds, corner| bounds.union(&Aabb { min: corner, max: corner }))
-        };
+        let bounds =
+            |faces: &[LitPart]| Aabb::around(&faces.iter().flat_map(|face| face.light.corners).collect::<Vec<_>>());
         lamps.parts().chunks(12).map(|faces| (bounds(faces), faces[0].light.radiance)).collect()
     }
 
@@ -242,13 +255,18 @@ mod tests {
         assert_eq!(boxes.len(), 2);
         for ((bounds, radiance), x) in boxes.into_iter().zip([0.0, 3.0]) {
             let half = 0.5 * (bounds.max - bounds.min);
-            assert!((0.5 * (bounds.max + bounds.min) - Vec3::X * x).length() < 1e-5);
+            assert!((bounds.center() - Vec3::X * x).length() < 1e-5);
             // Wider than the lamp by a part of the distance to the glass.
             assert!((half - (0.1 + 0.05 * 0.88)).abs().max_element() < 0.005, "{half}");
             // The lamp's power, of which the glass reflects a part, on the area of the box.
             let spread = 2.0 * (0.1 / half.x).powi(2);
             assert!(radiance > 0.6 * spread && radiance < 1.05 * spread, "{radiance}, {spread}");
         }
+    }
+
+    #[test]
+    fn lamps_that_emit_from_both_sides_may_have_any_winding() {
+        assert_eq!(boxes(&turned_world()).len(), 2);
     }
 
     #[test]

@@ -17,12 +17,12 @@ const MOST_RAYS: usize = 240;
 /// The most faces of glass on the way.
 const MAX_FACES: u32 = 8;
 
-impl World {
-    /// The number of rays for each of so many lights.
-    pub(super) fn arriving_rays(&self, lights: usize) -> u32 {
-        (RAYS / lights.max(1)).clamp(LEAST_RAYS, MOST_RAYS) as u32
-    }
+/// The number of rays for each of so many lamps.
+pub(super) fn arriving_rays(lamps: usize) -> u32 {
+    (RAYS / lamps.max(1)).clamp(LEAST_RAYS, MOST_RAYS) as u32
+}
 
+impl World {
     /// The light that rays towards a lamp's box find through glass, relative to what they would find if the glass bent
     /// none: by so many rays. The lamp's emissive triangles are among these, which ascend.
     pub(super) fn arriving(&self, bounds: &Aabb, emitters: &[u32], count: u32) -> f32 {
