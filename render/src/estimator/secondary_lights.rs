@@ -54,7 +54,7 @@ pub(crate) fn aim(world: &World, surface: &Surface, receiver: &Receiver, (choice
 pub(crate) fn lit_at<'w>(world: &'w World, ray: &Ray, hit: &Hit) -> Option<(PartAt<'w>, f32)> {
     let lit = &world.lights.lit;
     let lamp = || {
-        let (id, distance) = world.lamp_behind_glass(ray, hit)?;
+        let (id, distance) = world.image_behind(ray, hit)?;
         Some((lit.at(id, Vec2::ZERO)?, distance))
     };
     lamp().or_else(|| lit.at(hit.prim_id, Vec2::new(hit.u, hit.v)).map(|at| (at, hit.t)))

@@ -12,7 +12,7 @@ mod distant;
 mod emitters;
 pub(crate) mod few;
 mod grid;
-mod lamps_in_glass;
+mod lamp_images;
 mod receiver;
 mod secondary_lights;
 mod sized;
@@ -32,7 +32,7 @@ use self::distant::Patches;
 pub(crate) use self::emitters::EmissiveParts;
 use self::emitters::Emitters;
 use self::few::FEW;
-pub(crate) use self::lamps_in_glass::{LampBox, LampsInGlass, box_faces};
+pub(crate) use self::lamp_images::{HiddenLights, LampImage, LampImages, MirrorPlane, box_faces};
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::secondary_lights::{ChosenPart, LitPart, PartAt, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
@@ -64,8 +64,8 @@ pub(crate) struct LightSampler {
     pub(crate) sized: SizedLights,
     /// Triangles that reflect so much that paths aim at them.
     pub(crate) lit: SecondaryLights,
-    /// Emissive triangles in glass, at which paths aim likewise.
-    pub(crate) lamps_in_glass: LampsInGlass,
+    /// Where lamps show through glass and in mirrors, at which paths aim likewise.
+    pub(crate) lamp_images: LampImages,
     /// Which light a point of a triangle belongs to.
     emitters: PartTable,
     /// The box around all points near an emissive triangle.
@@ -161,7 +161,7 @@ impl LightSampler {
             punctual_numbers,
             sky,
             lit: SecondaryLights::default(),
-            lamps_in_glass: LampsInGlass::default(),
+            lamp_images: LampImages::default(),
             emitters: table,
             surroundings,
             mean_radiance,

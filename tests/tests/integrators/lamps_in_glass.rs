@@ -43,15 +43,6 @@ fn point(roughness: f32) -> Scene {
     Scene { lights: vec![light], ..globe(roughness) }
 }
 
-fn estimate(scene: &Scene, integrator: Integrator, spp: u32) -> Estimate {
-    let settings = Settings { width: 32, height: 32, spp, integrator, ..Settings::default() };
-    Estimate::of(&pixels(&render(scene, &settings)))
-}
-
-fn roulette(lights: LightSampling) -> Integrator {
-    Integrator::Path(PathOptions { lights, ..PathOptions::default() })
-}
-
 #[test]
 fn paths_that_aim_find_what_bounces_find() {
     for roughness in [0.0, 0.3, 0.8] {
@@ -88,14 +79,7 @@ fn aimed_paths_have_less_noise() {
         ("a bulb in frosted glass", bulb(0.3, 0.03), 15.0),
         ("a point in frosted glass", point(0.4), 5.0),
     ] {
-        let [aimed, unaimed] = [LightSampling::Mis, LightSampling::Direct].map(|lights| {
-            let values = pixels(&render(
-                &scene,
-                &Settings { width: 32, height: 32, spp: 64, integrator: roulette(lights), ..Settings::default() },
-            ));
-            let mean = values.iter().map(|value| value.x).sum::<f64>() / values.len() as f64;
-            values.iter().map(|value| (value.x - mean).powi(2)).sum::<f64>() / values.len() as f64
-        });
+        let [aimed, unaimed] = [LightSampling::Mis, LightSampling::Direct].map(|lights| variance(&scene, lights));
         assert!(unaimed > least * aimed, "{name}: variance {aimed}, without aim {unaimed}");
     }
 }

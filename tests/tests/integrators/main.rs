@@ -4,6 +4,7 @@ mod bumps;
 mod filter_glossy;
 mod heat;
 mod lamps_in_glass;
+mod lamps_in_mirrors;
 mod openness;
 mod stopping;
 
@@ -98,6 +99,25 @@ fn mean(scene: &Scene, settings: &Settings, renders: u64) -> Estimate {
         pixels.iter().sum::<DVec3>() / pixels.len() as f64
     });
     Estimate::of(&means.collect::<Vec<_>>())
+}
+
+/// The mean of all pixels, and its error by their differences.
+fn estimate(scene: &Scene, integrator: Integrator, spp: u32) -> Estimate {
+    let settings = Settings { width: 32, height: 32, spp, integrator, ..Settings::default() };
+    Estimate::of(&pixels(&render(scene, &settings)))
+}
+
+/// The variance of pixels that are alike, by paths.
+fn variance(scene: &Scene, lights: LightSampling) -> f64 {
+    let settings = Settings { width: 32, height: 32, spp: 64, integrator: roulette(lights), ..Settings::default() };
+    let values = pixels(&render(scene, &settings));
+    let mean = values.iter().map(|value| value.x).sum::<f64>() / values.len() as f64;
+    values.iter().map(|value| (value.x - mean).powi(2)).sum::<f64>() / values.len() as f64
+}
+
+/// Paths that end by chance.
+fn roulette(lights: LightSampling) -> Integrator {
+    Integrator::Path(PathOptions { lights, ..PathOptions::default() })
 }
 
 #[test]

@@ -31,11 +31,14 @@ impl Material {
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
-    /// The parts of light that it reflects and transmits to many directions, about, without textures. Smooth glass sends
-    /// light on in one direction, and counts as black.
+    /// The parts of light that it reflects and transmits to many directions, about, without textures. Smooth glass and
+    /// mirrors send light on in one direction, and count as black.
     pub(crate) fn mean_scattering(&self) -> [Vec3; 2] {
-        let (albedo, inputs) = (self.mean_albedo(), self.even_inputs());
+        let (mut albedo, inputs) = (self.mean_albedo(), self.even_inputs());
         if !self.is_glass() {
+            if self.is_mirror() {
+                albedo = (albedo - Closure::new(&self.inputs, false).mirror_reflectance(OBLIQUE)).max(Vec3::ZERO);
+            }
             let transmitted = albedo * inputs.diffuse_transmission_weight;
             return [albedo - transmitted, transmitted];
         }

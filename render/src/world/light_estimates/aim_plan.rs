@@ -13,19 +13,21 @@ use halfdome_kernel::Ray;
 use rayon::prelude::*;
 
 use super::bounces::View;
-use crate::light::{LitPart, Receiver, SecondaryLights};
+use super::seen_points::SeenPoints;
+use crate::light::{Division, LitPart, Receiver, SecondaryLights};
 use crate::world::{Surface, World};
 
 /// Candidates have at least this multiple of the mean radiance that bounces find.
 pub(super) const LEAST: f32 = 2.0;
 /// Paths aim at parts of at least this fraction of the mean radiance of candidates, by the variance that they cause.
 const BRIGHT: f32 = 1.0 / 16.0;
-/// From this multiple of the mean irradiance on, paths always aim: found by trial. At lamps in glass, which are hardly found
+/// From this multiple of the mean irradiance on, paths always aim: found by trial. At images of lamps, which are hardly found
 /// otherwise, they do from the typical irradiance on.
 const AIM_FROM: f32 = 4.0;
 /// Parts of this multiple of the mean radiance are fierce: bounces find them as fireflies.
 const FIERCE: f32 = 8.0;
-/// If paths aimed at each surface, their time would grow by about this multiple; the first if all parts are fierce.
+/// If paths aimed at each surface, their time would grow by about this multiple; the first if all parts are fierce, or
+/// if most are images in mirrors.
 const FIERCE_TIME: f32 = 1.5;
 const AIMED_TIME: f32 = 3.5;
 /// The greatest product of variance and time, relative to that without secondary lights; the second for large parts, and
@@ -35,6 +37,15 @@ const MAX_LARGE_PRODUCT: f32 = 0.7;
 const MAX_PRODUCT_OF_LAMPS: f32 = 0.5;
 /// The variance of what the estimate does not know of, such as deeper bounces, relative to the squared radiance.
 const UNKNOWN: f32 = 0.5;
+/// By how much images in mirrors add to the variance at least, as the mean of logarithms, each of which counts up to the second.
+const MIN_GROWTH: f32 = 0.5;
+const MOST_GROWTH: f32 = 10.0;
+/// One view of so many is asked for that.
+const VIEW_STEP: usize = 4;
+/// The part of the views' mean radiance that is added to each there, for light that was reflected before.
+const LEAST_OF_MEAN: f32 = 0.25;
+/// The least part of the variance of all candidates that images in mirrors cause.
+const LEAST_IN_MIRRORS: f32 = 0.1;
 /// Candidates that are chosen for each point.
 const CHOICES: u32 = 32;
 /// A part that no point sees in so many tries is left out.
@@ -80,17 +91,20 @@ impl World {
         let tries: Vec<Vec<Try>> = views.par_iter().map(|view| self.tries(candidates, view)).collect();
         let mut tried = vec![0; candidates.parts().len()];
         let mut variances = vec![0.0; tried.len()];
-        let (mut variance, mut by_variance, mut by_lamps) = (0.0, 0.0, 0.0);
+        let (mut variance, mut by_variance, mut through_glass, mut by_mirrors) = (0.0, 0.0, 0.0, 0.0);
         for (view, it) in views.iter().zip(&tries).flat_map(|(view, tries)| tries.iter().map(move |it| (view, it))) {
             tried[it.part] += 1;
             variances[it.part] += it.variance(view);
             variance += it.variance(view);
             by_variance += it.variance(view) * it.radiance;
-            if self.lights.lamps_in_glass.are_known_as(candidates.parts()[it.part].cell.prim_id) {
-                by_lamps += it.variance(view);
+            let part = &candidates.parts()[it.part];
+            if self.is_in_mirror(part) {
+                by_mirrors += it.variance(view);
+            } else if self.lights.lamp_images.image(part.cell.prim_id).is_some() {
+                through_glass += it.variance(view);
             }
         }
-        if variance <= 0.0 {
+        if variance <= 0.0 || (by_mirrors > 0.0 && by_mirrors < LEAST_IN_MIRRORS * variance) {
             return None;
         }
         let least = (BRIGHT * by_variance / variance).max(LEAST * mean);
@@ -100,11 +114,11 @@ impl World {
             bright.map(|it| it.received).sum::<f32>() / views.len() as f32
         };
         let are_large = !is_fierce && received(least) > mean;
-        let (limits, aimed_time) =
-            if is_fierce { (vec![least], FIERCE_TIME) } else { (vec![least, FIERCE * mean], AIMED_TIME) };
-        let are_lamps = by_lamps > 0.5 * variance;
+        let [are_in_glass, are_in_mirrors] = [through_glass, by_mirrors].map(|part| part > 0.5 * variance);
+        let limits = if is_fierce { vec![least] } else { vec![least, FIERCE * mean] };
+        let aimed_time = if is_fierce || are_in_mirrors { FIERCE_TIME } else { AIMED_TIME };
         let choice = |limit: f32| {
-            let worth = match are_lamps {
+            let worth = match are_in_glass || are_in_mirrors {
                 true => PI * (mean + typical(&tries, limit)),
                 false => AIM_FROM * PI * (mean + received(limit)),
             };
@@ -112,7 +126,7 @@ impl World {
         };
         let choices = limits.into_iter().map(choice);
         let (product, limit, worth) = choices.min_by(|(a, ..), (b, ..)| a.total_cmp(b))?;
-        let most = match (are_lamps, are_large) {
+        let most = match (are_in_glass, are_large) {
             (true, _) => MAX_PRODUCT_OF_LAMPS,
             (_, true) => MAX_LARGE_PRODUCT,
             _ => MAX_PRODUCT,
@@ -131,6 +145,30 @@ impl World {
         (!parts.is_empty()).then_some(AimPlan { parts, worth, are_large })
     }
 
+    /// Whether images of lamps in mirrors may cause so much of the variance at these points that it pays to sample them: a
+    /// quick test, which most scenes with a polished floor fail.
+    pub(super) fn mirrored_may_pay(&self, points: &SeenPoints) -> bool {
+        let mut views = self.views(points);
+        let mean = views.iter().map(|view| view.radiance).sum::<f32>() / views.len() as f32;
+        views.iter_mut().for_each(|view| view.radiance += LEAST_OF_MEAN * mean);
+        let parts = self.lights.lamp_images.parts().iter().filter(|part| self.is_in_mirror(part)).cloned().collect();
+        let triangles = self.triangle_records.len() + self.lights.lamp_images.parts().len();
+        let images = SecondaryLights::new(parts, |_| Division::WHOLE, triangles);
+        let growth = |view: &View| {
+            let seen = self.tries(&images, view).into_iter().filter(|it| it.is_seen);
+            let variance = seen.map(|it| it.radiance * it.received).sum::<f32>();
+            let rest = UNKNOWN * view.radiance.powi(2) + view.variance;
+            if variance > 0.0 { (1.0 + variance / rest).ln().min(MOST_GROWTH) } else { 0.0 }
+        };
+        let growths: Vec<f32> = views.par_iter().step_by(VIEW_STEP).map(growth).collect();
+        growths.iter().sum::<f32>() > MIN_GROWTH * growths.len() as f32
+    }
+
+    /// Whether a part is an image in a mirror.
+    pub(super) fn is_in_mirror(&self, part: &LitPart) -> bool {
+        self.lights.lamp_images.image(part.cell.prim_id).is_some_and(|image| image.mirror.is_some())
+    }
+
     /// Some candidates for a point.
     fn tries(&self, candidates: &SecondaryLights, view: &View) -> Vec<Try> {
         let receiver = Receiver::new(view.point.position, view.point.normal, false);
@@ -147,9 +185,9 @@ impl World {
     /// Whether nothing is between a point and the middle of a part.
     fn is_seen(&self, part: &LitPart, point: &Surface) -> bool {
         let prim_id = part.cell.prim_id;
-        if self.lights.lamps_in_glass.are_known_as(prim_id) {
+        if self.lights.lamp_images.image(prim_id).is_some() {
             let way = part.light.corners.iter().sum::<Vec3>() / 3.0 - point.position;
-            let lamp = self.lamp_along(&Ray::new(point.origin_towards(way), way));
+            let lamp = self.image_along(&Ray::new(point.origin_towards(way), way));
             return lamp.is_some_and(|(id, _)| id == prim_id);
         }
         let place = part.cell.middle();

@@ -1,9 +1,7 @@
-//! Finds [lamps in glass](crate::light::LampsInGlass): emissive triangles, points and spots most of whose light meets glass
+//! Finds [lamps in glass](crate::light::LampImages): emissive triangles, points and spots most of whose light meets glass
 //! before it comes to other surfaces. Triangles that share corners are one lamp.
 //!
 //! Smooth glass around points and spots is left to [`specular`](crate::world::specular).
-
-use std::collections::{BTreeMap, HashMap};
 
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, UniformSphere, Warp};
@@ -11,10 +9,11 @@ use halfdome_kernel::sampling::{Frame, Pattern, Sampler};
 use halfdome_kernel::{Aabb, Ray, Triangle};
 use rayon::prelude::*;
 
+use super::lamp_images::connected;
 use super::through_glass::arriving_rays;
-use crate::light::{LampBox, LampsInGlass, Light, area, luminance_weight};
+use crate::light::{HiddenLights, LampImage, Light, area, luminance_weight};
 use crate::material::ggx::Ggx;
-use crate::scene::{PunctualLight, UnionFind};
+use crate::scene::PunctualLight;
 use crate::world::{Hit, MIDDLE, World};
 
 /// Rays from a light: of all together, and the most of each.
@@ -44,34 +43,27 @@ struct LightInGlass {
 }
 
 impl World {
-    /// All of them.
-    pub(super) fn find_lamps_in_glass(&self) -> LampsInGlass {
+    /// The lights that glass hides, and where they show. These triangles are emissive.
+    pub(super) fn lamps_in_glass(&self, emissive: &[u32]) -> (HiddenLights, Vec<LampImage>) {
         if !self.has_clear_glass() {
-            return LampsInGlass::default();
+            return Default::default();
         }
-        let (triangles, points) = (self.emitters_in_glass(), self.points_in_glass());
+        let (triangles, points) = (self.emitters_in_glass(emissive), self.points_in_glass());
         let numbers = |lights: &[LightInGlass]| lights.iter().map(|light| light.number).collect();
-        let (emitters, punctual): (Vec<u32>, Vec<u32>) = (numbers(&triangles), numbers(&points));
-        let boxes = self.boxes(&triangles);
-        let rays = arriving_rays(boxes.len());
-        let seen = |lamp: LampBox| {
-            let part = self.arriving(&lamp.bounds, &emitters, rays);
-            (part > LEAST_ARRIVING).then_some(LampBox { radiance: part * lamp.radiance, ..lamp })
+        let hidden = HiddenLights { triangles: numbers(&triangles), points: numbers(&points) };
+        let images = lamp_images(&triangles);
+        let rays = arriving_rays(images.len());
+        let seen = |image: LampImage| {
+            let part = self.arriving(&image.bounds, &hidden.triangles, rays);
+            (part > LEAST_ARRIVING).then_some(LampImage { radiance: part * image.radiance, ..image })
         };
-        let mut boxes: Vec<LampBox> = boxes.into_par_iter().filter_map(seen).collect();
-        boxes.extend(self.boxes(&points));
-        LampsInGlass::new((emitters, punctual), &boxes, self.triangle_records.len() as u32)
+        let mut images: Vec<LampImage> = images.into_par_iter().filter_map(seen).collect();
+        images.extend(lamp_images(&points));
+        (hidden, images)
     }
 
-    /// The emissive triangles in glass, ascending.
-    fn emitters_in_glass(&self) -> Vec<LightInGlass> {
-        let lights = self.lights.lights().iter();
-        let mut emissive: Vec<u32> = lights
-            .filter_map(|light| if let Light::Triangle(part) = light { Some(part.prim_id) } else { None })
-            .filter(|&prim_id| (prim_id as usize) < self.still_records().len())
-            .collect();
-        emissive.sort_unstable();
-        emissive.dedup();
+    /// Those among emissive triangles that glass hides.
+    fn emitters_in_glass(&self, emissive: &[u32]) -> Vec<LightInGlass> {
         let count = (RAYS / emissive.len().max(1)).min(MOST_RAYS) as u32;
         let in_glass = |number: u32| {
             let record = &self.triangle_records[number as usize];
@@ -88,7 +80,7 @@ impl World {
             let power = sides * area(&record.corners) * luminance_weight(material.emission);
             Some(LightInGlass { number, corners: record.corners, power, distance, alpha })
         };
-        emissive.into_par_iter().filter_map(in_glass).collect()
+        emissive.par_iter().copied().filter_map(in_glass).collect()
     }
 
     /// The points and spots in rough glass, ascending.
@@ -109,19 +101,6 @@ impl World {
             (alpha > 0.0).then_some(light)
         };
         self.lights.lights().iter().enumerate().filter_map(in_glass).collect()
-    }
-
-    /// The lamp that a ray which has hit something meets straight behind glass: the `prim_id` of its box's triangle, and
-    /// the distance.
-    #[inline(always)]
-    pub(crate) fn lamp_behind_glass(&self, ray: &Ray, hit: &Hit) -> Option<(u32, f32)> {
-        let lamps = &self.lights.lamps_in_glass;
-        if lamps.is_empty() || !self.is_clear_glass(hit) { None } else { lamps.beyond(ray, hit.t) }
-    }
-
-    /// The same along a ray.
-    pub(super) fn lamp_along(&self, ray: &Ray) -> Option<(u32, f32)> {
-        self.lamp_behind_glass(ray, &self.intersect_at(ray, MIDDLE))
     }
 
     /// The distance and the greatest `α` of the glass around a light of this number, by so many rays that two pairs of numbers
@@ -145,27 +124,16 @@ impl World {
         }
         (2 * meeting > rays.len()).then_some((distance, widest))
     }
-
-    /// The boxes around lamps.
-    fn boxes(&self, lights: &[LightInGlass]) -> Vec<LampBox> {
-        let mut sets = UnionFind::new(lights.len());
-        let mut corners: HashMap<[u32; 3], u32> = HashMap::new();
-        for (number, light) in lights.iter().enumerate() {
-            for corner in light.corners {
-                let first = *corners.entry(corner.to_array().map(f32::to_bits)).or_insert(number as u32);
-                sets.join(first, number as u32);
-            }
-        }
-        let mut lamps: BTreeMap<u32, Vec<LightInGlass>> = BTreeMap::new();
-        for (light, root) in lights.iter().zip(sets.roots()) {
-            lamps.entry(root).or_default().push(*light);
-        }
-        lamps.into_values().map(|lights| lamp_box(&lights)).collect()
-    }
 }
 
-/// The box around the lights of one lamp.
-fn lamp_box(lights: &[LightInGlass]) -> LampBox {
+/// Where lamps of these lights show.
+fn lamp_images(lights: &[LightInGlass]) -> Vec<LampImage> {
+    let lamps = connected(lights.iter().map(|light| &light.corners)).into_iter();
+    lamps.map(|numbers| lamp_image(&numbers.into_iter().map(|number| lights[number]).collect::<Vec<_>>())).collect()
+}
+
+/// Where a lamp of these lights shows.
+fn lamp_image(lights: &[LightInGlass]) -> LampImage {
     let corners: Vec<Vec3> = lights.iter().flat_map(|light| light.corners).collect();
     let distance = lights.iter().map(|light| light.distance).fold(f32::INFINITY, f32::min);
     let alpha = lights.iter().map(|light| light.alpha).fold(0.0, f32::max);
@@ -173,7 +141,7 @@ fn lamp_box(lights: &[LightInGlass]) -> LampBox {
         (Aabb::around(&corners), distance * (LEAST_MARGIN + MARGIN_BY_ALPHA * alpha).min(MOST_MARGIN));
     let bounds = Aabb { min: around.min - margin, max: around.max + margin };
     let power = lights.iter().map(|light| light.power).sum::<f32>();
-    LampBox { bounds, radiance: power / (2.0 * bounds.half_area()) }
+    LampImage { bounds, radiance: power / (2.0 * bounds.half_area()), mirror: None }
 }
 
 #[cfg(test)]
@@ -243,7 +211,7 @@ mod tests {
     }
 
     fn boxes(world: &World) -> Vec<(Aabb, f32)> {
-        let lamps = world.find_lamps_in_glass();
+        let lamps = world.find_lamp_images();
         let bounds =
             |faces: &[LitPart]| Aabb::around(&faces.iter().flat_map(|face| face.light.corners).collect::<Vec<_>>());
         lamps.parts().chunks(12).map(|faces| (bounds(faces), faces[0].light.radiance)).collect()
@@ -289,9 +257,9 @@ mod tests {
     #[test]
     fn lamps_show_straight_through_glass_alone() {
         let mut world = world(0.0, Vec::new());
-        world.lights.lamps_in_glass = world.find_lamps_in_glass();
+        world.lights.lamp_images = world.find_lamp_images();
         let along =
-            |eye: Vec3, direction: Vec3| world.lamp_along(&Ray::new(eye, direction)).map(|(_, distance)| distance);
+            |eye: Vec3, direction: Vec3| world.image_along(&Ray::new(eye, direction)).map(|(_, distance)| distance);
         let distance = along(Vec3::new(0.0, -5.0, 0.0), Vec3::Y).unwrap();
         assert!((distance - 4.855).abs() < 0.01, "{distance}");
         assert_eq!(along(Vec3::new(0.5, -5.0, 0.0), Vec3::Y), None, "it passes the lamp");

@@ -4,7 +4,9 @@
 
 mod aim_plan;
 mod bounces;
+mod lamp_images;
 mod lamps_in_glass;
+mod lamps_in_mirrors;
 mod light_shares;
 mod light_visibility;
 mod openings;

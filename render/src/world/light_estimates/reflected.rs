@@ -125,7 +125,7 @@ impl World {
             Light::Triangle(part) => {
                 let point = part.place(TriangleWarp.map(u));
                 let end = self.surface(part.prim_id, point.x, point.y).end_from(side.position);
-                if self.lights.lamps_in_glass.contain(part.prim_id) {
+                if self.lights.lamp_images.hide(part.prim_id) {
                     return self.shows_lamp(side, end);
                 }
                 end
@@ -135,7 +135,7 @@ impl World {
                 | PunctualLight::Spot { position, .. }
                 | PunctualLight::Profiled { position, .. },
             ) => {
-                if self.lights.lamps_in_glass.contain_point(number) {
+                if self.lights.lamp_images.hide_point(number) {
                     return self.shows_lamp(side, *position);
                 }
                 *position
@@ -158,6 +158,6 @@ impl World {
     fn shows_lamp(&self, side: &Surface, point: Vec3) -> bool {
         let way = point - side.position;
         let ray = Ray::new(side.origin_towards(way), way);
-        !side.material.is_glass() && self.lamp_along(&ray).is_some()
+        !side.material.is_glass() && self.image_along(&ray).is_some()
     }
 }

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use super::aim_plan::{AimPlan, LEAST};
 use super::bounces::{Bounce, INDIRECT_SALT, View};
 use super::seen_points::SeenPoints;
-use crate::light::{Division, LampsInGlass, LitPart, Reach, SecondaryLights, TrianglePart, area};
+use crate::light::{Division, LampImages, LitPart, Reach, SecondaryLights, TrianglePart, area};
 use crate::world::{Hit, MIDDLE, World, interpolate};
 
 /// The part of the total area from which on triangles are divided, if bounces find them lit.
@@ -58,9 +58,17 @@ struct Found {
 impl World {
     /// Finds the secondary lights.
     pub(crate) fn find_secondary_lights(&mut self, points: &SeenPoints) {
-        self.lights.lamps_in_glass = self.find_lamps_in_glass();
+        self.lights.lamp_images = self.find_lamp_images();
+        if self.lights.lamp_images.are_mirrored() && !self.mirrored_may_pay(points) {
+            self.lights.lamp_images = self.lights.lamp_images.without_mirrored();
+        }
         match self.secondary_lights_that_pay(points) {
-            Some(lit) => self.lights.lit = lit,
+            Some(lit) => {
+                if !lit.parts().iter().any(|part| self.is_in_mirror(part)) {
+                    self.lights.lamp_images = self.lights.lamp_images.without_mirrored();
+                }
+                self.lights.lit = lit;
+            }
             None => self.forget_secondary_lights(),
         }
     }
@@ -68,7 +76,7 @@ impl World {
     /// Removes all secondary lights.
     pub(crate) fn forget_secondary_lights(&mut self) {
         self.lights.lit = SecondaryLights::default();
-        self.lights.lamps_in_glass = LampsInGlass::default();
+        self.lights.lamp_images = LampImages::default();
     }
 
     /// The parts that are worth sampling.
@@ -78,13 +86,14 @@ impl World {
         let direct = mean_without_outliers(&bounces);
         let is_lit = |bounce: &&Bounce| bounce.direct >= LEAST * direct;
         let lit = bounces.iter().filter(is_lit).map(|it| (it.direct / (views[it.view].radiance + direct)).powi(2));
-        let is_little = lit.sum::<f32>() < MIN_VARIANCE * bounces.len() as f32;
-        if (direct <= 0.0 || is_little) && self.lights.lamps_in_glass.is_empty() {
+        let images = &self.lights.lamp_images;
+        let bounces_suffice = direct <= 0.0 || lit.sum::<f32>() < MIN_VARIANCE * bounces.len() as f32;
+        if bounces_suffice && images.is_empty() {
             return None;
         }
         self.add_indirect(&mut bounces);
         let mut mean = mean_without_outliers(&bounces);
-        if !self.lights.lamps_in_glass.is_empty() {
+        if !images.is_empty() {
             // Bounces find none of their light.
             let seen = views.iter().map(|view| view.radiance).sum::<f32>() / views.len() as f32;
             mean = mean.max(LEAST_INDIRECT * seen);
@@ -95,24 +104,36 @@ impl World {
         // Their indirect light, about.
         views.iter_mut().for_each(|view| view.radiance += mean);
         let least = LEAST * mean;
-        let found = self.found(&views, &bounces, least);
-        let smallest = SMALL * self.still_records().par_iter().map(|it| f64::from(area(&it.corners))).sum::<f64>();
-        let divisions = self.divisions(&found, smallest);
+        let (mut candidates, divisions) =
+            if bounces_suffice { Default::default() } else { self.lit_surfaces(&views, &bounces, least) };
+        candidates.extend_from_slice(images.parts());
         let division = |prim_id| divisions.get(&prim_id).copied().unwrap_or(Division::WHOLE);
-        let lamps = &self.lights.lamps_in_glass;
-        let triangles = self.triangle_records.len() + lamps.parts().len();
-        let small = self.small_candidates(&found, smallest, least);
-        let mut candidates = self.candidates(&found, small, &divisions, least);
-        candidates.extend_from_slice(lamps.parts());
-        let all = SecondaryLights::new(candidates, division, triangles);
+        let triangles = self.triangle_records.len() + images.parts().len();
         let rest = bounces.iter().map(|it| (it.radiance().min(least) / views[it.view].radiance).powi(2)).sum::<f32>();
-        let AimPlan { parts, worth, are_large } =
-            self.plan_aiming(&all, &views, (mean, rest / bounces.len() as f32))?;
+        let rest = rest / bounces.len() as f32;
+        let plan = |candidates| {
+            let candidates = SecondaryLights::new(candidates, division, triangles);
+            self.plan_aiming(&candidates, &views, (mean, rest))
+        };
+        let without_mirrored = || {
+            let others = candidates.iter().filter(|part| !self.is_in_mirror(part)).cloned().collect();
+            images.are_mirrored().then(|| plan(others)).flatten()
+        };
+        let AimPlan { parts, worth, are_large } = plan(candidates.clone()).or_else(without_mirrored)?;
         let rays = (REACH_RAYS / parts.len() as u32).clamp(LEAST_REACH_RAYS, MOST_REACH_RAYS);
         let parts = parts.into_par_iter().map(|part| LitPart { reach: self.reach(&part, rays), ..part });
         let mut lit = SecondaryLights::new(parts.collect(), division, triangles);
         lit.aim_from(worth, PI * mean, are_large);
         Some(lit)
+    }
+
+    /// Parts of surfaces that scatter at least so much, and how triangles are divided into them.
+    fn lit_surfaces(&self, views: &[View], bounces: &[Bounce], least: f32) -> (Vec<LitPart>, BTreeMap<u32, Division>) {
+        let found = self.found(views, bounces, least);
+        let smallest = SMALL * self.still_records().par_iter().map(|it| f64::from(area(&it.corners))).sum::<f64>();
+        let divisions = self.divisions(&found, smallest);
+        let small = self.small_candidates(&found, smallest, least);
+        (self.candidates(&found, small, &divisions, least), divisions)
     }
 
     /// What bounces find at each triangle, where at least `least` is lit.
@@ -201,14 +222,14 @@ impl World {
     /// The reach of a part's light, by so many rays; misses count as far.
     fn reach(&self, part: &LitPart, count: u32) -> Reach {
         let LitPart { cell, light, .. } = part;
-        let is_lamp = self.lights.lamps_in_glass.are_known_as(cell.prim_id);
+        let image = self.lights.lamp_images.image(cell.prim_id);
         let sampler = |number| Sampler::new(Pattern::Sobol, 0, cell.prim_id, number);
         let ray = |number: u32| {
             let ([.., x, y], v) = (sampler(number).uniform4(1), sampler(number).uniform2(2));
             let point = TriangleWarp.map(Vec2::new(x, y));
             let side = if light.both_sides && number % 2 == 1 { -light.normal } else { light.normal };
             let direction = Frame::from_normal(side).to_world(UniformHemisphere.map(v));
-            let origin = match is_lamp {
+            let origin = match image.is_some() {
                 true => interpolate(light.corners, [1.0 - point.x - point.y, point.x, point.y]),
                 false => {
                     let place = cell.place(point);
@@ -218,9 +239,12 @@ impl World {
             Ray::new(origin, direction)
         };
         let rays: Vec<Ray> = (0..count).map(ray).collect();
+        if let Some(mirror) = image.and_then(|image| image.mirror.as_ref()) {
+            return Reach::of(rays.iter().map(|ray| (ray.direction, self.reach_from_mirror(mirror, ray))));
+        }
         let mut hits = vec![Hit::MISS; rays.len()];
         self.intersect_many(&rays, &mut hits);
-        if is_lamp {
+        if image.is_some() {
             let behind = |(hit, ray): (&mut Hit, &Ray)| *hit = self.straight_behind_glass(ray, hit, MIDDLE);
             hits.iter_mut().zip(&rays).for_each(behind);
         }
