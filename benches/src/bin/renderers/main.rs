@@ -27,9 +27,9 @@ use clap::Parser;
 /// Our own scene.
 const CORNELL: &str = "cornell";
 /// Those that are made in Blender.
-const MODELS: [&str; 18] = [
+const MODELS: [&str; 19] = [
     "yard", "bulbs", "window", "glazed", "hdri", "interior", "ajar", "street", "loft", "shop", "lounge", "chapel",
-    "studio", "market", "bath", "park", "station", "pendants",
+    "studio", "market", "bath", "park", "station", "pendants", "vanity",
 ];
 /// Seeds of the reference's halves, which no round has.
 const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
@@ -38,7 +38,7 @@ const REFERENCE_SEEDS: [u32; 2] = [1 << 20, 2 << 20];
 #[derive(Parser)]
 struct Options {
     /// What to render: cornell, yard, bulbs, window, glazed, hdri, interior, ajar, street, loft, shop, lounge, chapel,
-    /// studio, market, bath, park, station, pendants
+    /// studio, market, bath, park, station, pendants, vanity
     #[arg(value_name = "SCENE", default_values_t = [CORNELL.to_owned()], value_parser = known)]
     scenes: Vec<String>,
     /// Samples a pixel [default: 64 for cornell, else 16]

@@ -12,6 +12,8 @@ use crate::material::{Bsdf, Closure, Inputs, Kind};
 const OBLIQUE: Vec3 = Vec3::new(FRAC_1_SQRT_2, 0.0, FRAC_1_SQRT_2);
 /// The least reflectance at 45° of what counts as a mirror.
 const MIN_MIRROR_REFLECTANCE: f32 = 0.01;
+/// Below this roughness faces reflect nearly as mirrors do.
+const NEARLY_SMOOTH: f32 = 0.1;
 
 impl Material {
     /// The kind of closure that it needs wherever it is: that of the greatest values of its inputs.
@@ -31,14 +33,21 @@ impl Material {
         if self.unlit { Vec3::ZERO } else { Closure::new(&self.inputs, false).albedo(OBLIQUE) }
     }
 
+    /// The part of light that it reflects into about one direction, without textures: as a mirror, or nearly so.
+    fn mean_mirror_reflectance(&self) -> Vec3 {
+        let smoothed = |roughness: f32| if roughness < NEARLY_SMOOTH { 0.0 } else { roughness };
+        let Inputs { specular_roughness, coat_roughness, .. } = self.inputs;
+        let (specular_roughness, coat_roughness) = (smoothed(specular_roughness), smoothed(coat_roughness));
+        let smoothed = Inputs { specular_roughness, coat_roughness, ..self.inputs };
+        if self.unlit { Vec3::ZERO } else { Closure::new(&smoothed, false).mirror_reflectance(OBLIQUE) }
+    }
+
     /// The parts of light that it reflects and transmits to many directions, about, without textures. Smooth glass and
     /// mirrors send light on in one direction, and count as black.
     pub(crate) fn mean_scattering(&self) -> [Vec3; 2] {
         let (mut albedo, inputs) = (self.mean_albedo(), self.even_inputs());
         if !self.is_glass() {
-            if self.is_mirror() {
-                albedo = (albedo - Closure::new(&self.inputs, false).mirror_reflectance(OBLIQUE)).max(Vec3::ZERO);
-            }
+            albedo = (albedo - self.mean_mirror_reflectance()).max(Vec3::ZERO);
             let transmitted = albedo * inputs.diffuse_transmission_weight;
             return [albedo - transmitted, transmitted];
         }
