@@ -1,7 +1,5 @@
 //! Lamps in glass, at which paths aim straight through it: as much light as bounces alone find, with less noise.
 
-use halfdome::settings::CachedOptions;
-
 use super::*;
 
 /// A floor below a globe of glass of this roughness, and the materials of the floor, the glass and an emissive bulb. The
@@ -47,10 +45,8 @@ fn point(roughness: f32) -> Scene {
 fn paths_that_aim_find_what_bounces_find() {
     for roughness in [0.0, 0.3, 0.8] {
         let scene = bulb(roughness, 0.18);
-        let [aimed, unaimed] = [(LightSampling::Mis, 512), (LightSampling::Naive, 4096)]
-            .map(|(lights, spp)| estimate(&scene, roulette(lights), spp).mean);
-        let ratio = aimed / unaimed;
-        assert!((ratio - 1.0).abs().max_element() < 0.03, "roughness {roughness}: {aimed}, {unaimed}");
+        let ratio = aimed_by_unaimed(&scene);
+        assert!((ratio - 1.0).abs().max_element() < 0.03, "roughness {roughness}: {ratio}");
     }
 }
 
@@ -67,9 +63,8 @@ fn points_in_rough_glass_give_what_light_samples_alone_find() {
 #[test]
 fn gathers_aim_likewise() {
     let scene = bulb(0.3, 0.06);
-    let by_paths = estimate(&scene, roulette(LightSampling::Mis), 256).mean.x;
-    let found = estimate(&scene, Integrator::Cached(CachedOptions::default()), 64).mean.x;
-    assert!((found / by_paths - 1.0).abs() < 0.04, "{found} by a cache, {by_paths} by paths");
+    let ratio = cached_by_paths(&scene);
+    assert!((ratio - 1.0).abs() < 0.04, "{ratio}");
 }
 
 #[test]

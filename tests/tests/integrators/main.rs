@@ -16,8 +16,8 @@ use halfdome::film::Picture;
 use halfdome::material::Inputs;
 use halfdome::scene::{CameraPose, Material, PunctualLight, Scene, cornell_box};
 use halfdome::settings::{
-    AoOptions, AoWeighting, DirectOptions, HemisphereSampling, Integrator, LightSampling, MonteCarloOptions,
-    PathOptions, Settings, Stop, Survival,
+    AoOptions, AoWeighting, CachedOptions, DirectOptions, HemisphereSampling, Integrator, LightSampling,
+    MonteCarloOptions, PathOptions, Settings, Stop, Survival,
 };
 use halfdome::world::World;
 use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
@@ -113,6 +113,19 @@ fn variance(scene: &Scene, lights: LightSampling) -> f64 {
     let values = pixels(&render(scene, &settings));
     let mean = values.iter().map(|value| value.x).sum::<f64>() / values.len() as f64;
     values.iter().map(|value| (value.x - mean).powi(2)).sum::<f64>() / values.len() as f64
+}
+
+/// What paths that aim find, relative to what bounces alone do.
+fn aimed_by_unaimed(scene: &Scene) -> DVec3 {
+    let [aimed, unaimed] = [(LightSampling::Mis, 512), (LightSampling::Naive, 4096)]
+        .map(|(lights, spp)| estimate(scene, roulette(lights), spp).mean);
+    aimed / unaimed
+}
+
+/// What a cache finds, relative to paths.
+fn cached_by_paths(scene: &Scene) -> f64 {
+    let paths = estimate(scene, roulette(LightSampling::Mis), 256).mean.x;
+    estimate(scene, Integrator::Cached(CachedOptions::default()), 64).mean.x / paths
 }
 
 /// Paths that end by chance.
