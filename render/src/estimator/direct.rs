@@ -72,25 +72,40 @@ pub(crate) fn sample_direct_by(
     how: (LightSampling, SkyPart),
     numbers: (f64, f32),
 ) -> impl Iterator<Item = ShadowRay> {
-    let straight = sample_one_light(world, surface, &eval, how, numbers);
+    let receiver = surface.receiver();
+    let weights = world.lights.weigh(&receiver, how.1);
+    let light = world.lights.choose(&receiver, &weights, numbers.0);
+    sample_direct_from(world, surface, eval, how, (light, numbers))
+}
+
+/// The same, given which light the numbers choose.
+#[inline(always)]
+pub(crate) fn sample_direct_from(
+    world: &World,
+    surface: &Surface,
+    eval: impl Fn(Vec3) -> (Vec3, f32),
+    how: (LightSampling, SkyPart),
+    (light, numbers): (Option<SampledLight>, (f64, f32)),
+) -> impl Iterator<Item = ShadowRay> {
+    let straight = match &light {
+        Some(light) => sample_one_light(world, surface, &eval, how, (light, numbers.1)),
+        None => None,
+    };
     let reflected =
         if world.has_reflected_light() { sample_mirrored(world, surface, &eval, how.0, numbers) } else { None };
     straight.into_iter().chain(reflected)
 }
 
-/// Samples one light.
+/// Samples a light.
 #[inline(always)]
 fn sample_one_light(
     world: &World,
     surface: &Surface,
     eval: impl Fn(Vec3) -> (Vec3, f32),
     (lights, part): (LightSampling, SkyPart),
-    (choice, v): (f64, f32),
+    (choice, v): (&SampledLight, f32),
 ) -> Option<ShadowRay> {
-    let receiver = surface.receiver();
-    let weights = world.lights.weigh(&receiver, part);
-    let choice = world.lights.choose(&receiver, &weights, choice)?;
-    let light = sample_light(world, surface, (lights, part), &choice, v)?;
+    let light = sample_light(world, surface, (lights, part), choice, v)?;
     let (scattered, bounce_density) = eval(light.direction);
     let inv_density = if light.is_punctual { 0.0 } else { light.inv_density };
     let radiance = scattered * light.radiance * lights.light_weight(inv_density, bounce_density);

@@ -5,23 +5,20 @@
 use std::f32::consts::PI;
 use std::ops::Range;
 
-use glam::{Vec2, Vec3};
-use halfdome_kernel::Ray;
+use glam::Vec3;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
+use halfdome_kernel::sampling::{Pattern, Sampler};
+use halfdome_kernel::{Ray, Task};
 
-use super::direct::{sample_direct, scattered_weight};
+use super::direct::scattered_weight;
+use super::light_rays::{LightRays, place_of};
 use super::salts;
 use crate::light::{Receiver, SkyPart};
 use crate::settings::LightSampling;
 use crate::world::{Hit, MIDDLE, Surface, World};
 
-/// The set of random numbers that chooses the light and a point on it.
-const LIGHT_SET: u32 = 0;
 /// The set of a direction.
 const DIRECTION_SET: u32 = 1;
-/// The set that says at which of the surfaces.
-const PLACE_SET: u32 = 2;
 /// Samples that are traced together, about.
 const BATCH: u32 = 2048;
 
@@ -34,11 +31,8 @@ pub(crate) trait IncidentSink {
 /// Samples of direct light, and their memory.
 #[derive(Default)]
 pub(crate) struct IncidentSampler {
-    shadows: Vec<Ray>,
-    /// Unit vectors to what they are sent to.
-    directions: Vec<Vec3>,
-    occluded: Vec<bool>,
-    values: Vec<Vec3>,
+    lights: LightRays,
+    samplers: Vec<Sampler>,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     /// The densities of the scattered rays, and the surfaces that they leave.
@@ -56,49 +50,25 @@ impl IncidentSampler {
         (samples, share): (Range<u32>, f32),
         sink: &mut dyn IncidentSink,
     ) -> u64 {
+        const HOW: (LightSampling, SkyPart) = (LightSampling::Mis, SkyPart::Sun);
+        self.lights.weigh(world, surfaces, HOW.1);
         let mut traced = 0;
         for first in samples.clone().step_by(BATCH as usize) {
-            self.shadows.clear();
-            self.directions.clear();
-            self.values.clear();
-            self.rays.clear();
-            self.scattered.clear();
-            for sample in first..samples.end.min(first.saturating_add(BATCH)) {
-                let sampler = Sampler::new(Pattern::Sobol, seed ^ salts::INCIDENT, number, sample);
-                let place = sampler.uniform2(PLACE_SET).x * surfaces.len() as f32;
-                self.push_sample(world, &surfaces[(place as usize).min(surfaces.len() - 1)], &sampler);
+            self.samplers.clear();
+            let sampler = |sample| Sampler::new(Pattern::Sobol, seed ^ salts::INCIDENT, number, sample);
+            self.samplers.extend((first..samples.end.min(first.saturating_add(BATCH))).map(sampler));
+            let found = |direction, irradiance| sink.add_light(direction, share * irradiance);
+            traced += self.lights.trace(world, surfaces, HOW, &self.samplers, found);
+            if world.lights.has_emitters() {
+                world.isa().run(Scatter { surfaces, sampler: self });
+                traced += self.collect(world, share, sink);
             }
-            traced += self.collect(world, share, sink);
         }
         traced
     }
 
-    /// Makes the two rays of a sample.
-    fn push_sample(&mut self, world: &World, surface: &Surface, sampler: &Sampler) {
-        let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
-        let numbers = (unit_double(Vec2::new(x, finer)), y);
-        for light in sample_direct(world, surface, &surface.white(), (LightSampling::Mis, SkyPart::Sun), numbers) {
-            self.shadows.push(light.ray);
-            self.directions.push(light.direction);
-            self.values.push(light.radiance * PI);
-        }
-        if world.lights.has_emitters() {
-            let local = CosineHemisphere.map(sampler.uniform2(DIRECTION_SET));
-            let direction = surface.above(surface.frame().to_world(local));
-            self.rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
-            self.scattered.push((surface.lambert(direction), surface.receiver()));
-        }
-    }
-
-    /// Traces the rays, and passes on what they find.
+    /// Traces the scattered rays, and passes on what they find.
     fn collect(&mut self, world: &World, share: f32, sink: &mut dyn IncidentSink) -> u64 {
-        self.occluded.resize(self.shadows.len(), false);
-        world.occluded_many(&self.shadows, &mut self.occluded);
-        for ((direction, value), occluded) in self.directions.iter().zip(&self.values).zip(&self.occluded) {
-            if !occluded {
-                sink.add_light(*direction, share * *value);
-            }
-        }
         self.hits.resize(self.rays.len(), Hit::MISS);
         world.intersect_many(&self.rays, &mut self.hits);
         for ((ray, hit), (density, receiver)) in self.rays.iter().zip(&self.hits).zip(&self.scattered) {
@@ -113,6 +83,30 @@ impl IncidentSampler {
                 }
             }
         }
-        (self.shadows.len() + self.rays.len()) as u64
+        self.rays.len() as u64
+    }
+}
+
+/// A scattered ray for each sample, as a task that is compiled for each instruction set.
+struct Scatter<'a> {
+    surfaces: &'a [Surface<'a>],
+    sampler: &'a mut IncidentSampler,
+}
+
+impl Task for Scatter<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run(self) {
+        let IncidentSampler { samplers, rays, scattered, .. } = self.sampler;
+        rays.clear();
+        scattered.clear();
+        for sampler in &*samplers {
+            let surface = &self.surfaces[place_of(sampler, self.surfaces.len())];
+            let local = CosineHemisphere.map(sampler.uniform2(DIRECTION_SET));
+            let direction = surface.above(surface.frame().to_world(local));
+            rays.push(Ray::new(surface.origin_towards(surface.normal), direction));
+            scattered.push((surface.lambert(direction), surface.receiver()));
+        }
     }
 }

@@ -2,20 +2,17 @@
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
-use halfdome_kernel::sampling::{Pattern, Sampler, unit_double};
+use halfdome_kernel::sampling::{Pattern, Sampler};
 
 use super::Component;
-use crate::estimator::{AimedFrom, AimedRays, Follow, sample_direct, scattered_weight};
+use crate::estimator::{AimedFrom, AimedRays, Follow, LightRays, scattered_weight};
 use crate::integrator::{Follower, GatherSource};
 use crate::light::SkyPart;
 use crate::settings::LightSampling;
 use crate::world::{Hit, MIDDLE, Surface, World};
-
-/// The set of random numbers that chooses the light and a point on it.
-const LIGHT_SET: u32 = 0;
 
 /// The set of a path's direction; later sets are for the path.
 const DIRECTION_SET: u32 = 1;
@@ -37,8 +34,7 @@ impl Samples {
 #[derive(Default)]
 pub(super) struct SensorScratch {
     pub(super) samplers: Vec<Sampler>,
-    shadows: Vec<Ray>,
-    occluded: Vec<bool>,
+    lights: LightRays,
     rays: Vec<Ray>,
     hits: Vec<Hit>,
     values: Vec<Vec3>,
@@ -78,21 +74,13 @@ impl SensorScratch {
 
     /// Adds samples of lights.
     fn sample_lights(&mut self, world: &World, surface: &Surface, lights: LightSampling, sum: &mut DVec3) -> u64 {
-        self.shadows.clear();
-        self.values.clear();
-        for sampler in &self.samplers {
-            let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
-            let numbers = (unit_double(Vec2::new(x, finer)), y);
-            for light in sample_direct(world, surface, &surface.white(), (lights, SkyPart::Sun), numbers) {
-                self.shadows.push(light.ray);
-                self.values.push(light.radiance * PI);
-            }
-        }
-        self.occluded.resize(self.shadows.len(), false);
-        world.occluded_many(&self.shadows, &mut self.occluded);
-        let free = self.values.iter().zip(&self.occluded).filter(|(_, occluded)| !**occluded);
-        *sum += free.map(|(value, _)| value.as_dvec3()).sum::<DVec3>();
-        self.shadows.len() as u64
+        let (surfaces, how) = (std::slice::from_ref(surface), (lights, SkyPart::Sun));
+        self.lights.weigh(world, surfaces, how.1);
+        let mut lit = DVec3::ZERO;
+        let found = |_, irradiance: Vec3| lit += irradiance.as_dvec3();
+        let rays = self.lights.trace(world, surfaces, how, &self.samplers, found);
+        *sum += lit;
+        rays
     }
 
     /// Traces rays that follow the cosine.

@@ -27,7 +27,7 @@ use halfdome_kernel::{Aabb, Triangle};
 
 use self::cells::PartTable;
 pub(crate) use self::cells::{Division, TrianglePart};
-pub(crate) use self::choice::{LightChoice, SampledLight};
+pub(crate) use self::choice::{LightChoice, SampledLight, Weights};
 use self::distant::Patches;
 pub(crate) use self::emitters::EmissiveParts;
 use self::emitters::Emitters;
