@@ -51,7 +51,6 @@ impl IncidentSampler {
         sink: &mut dyn IncidentSink,
     ) -> u64 {
         const HOW: (LightSampling, SkyPart) = (LightSampling::Mis, SkyPart::Sun);
-        self.lights.weigh(world, surfaces, HOW.1);
         let mut traced = 0;
         for first in samples.clone().step_by(BATCH as usize) {
             self.samplers.clear();

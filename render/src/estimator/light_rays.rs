@@ -26,8 +26,8 @@ pub(crate) struct LightRays {
     /// The irradiance that each causes if nothing is in between.
     irradiance: Vec<Vec3>,
     occluded: Vec<bool>,
-    /// The surfaces as receivers, with the weights of lights there.
-    receivers: Vec<(Receiver, Weights)>,
+    /// Those surfaces as receivers, with the weights of lights there, at which a sample was taken.
+    receivers: Vec<Option<(Receiver, Weights)>>,
     samples: Vec<LightRaySample>,
     /// The numbers of samples whose lights are not chosen yet.
     choosing: Vec<u32>,
@@ -37,17 +37,12 @@ pub(crate) struct LightRays {
 struct LightRaySample {
     /// The number of its surface.
     place: usize,
+    receiver: Receiver,
     choice: LightChoice,
     numbers: (f64, f32),
 }
 
 impl LightRays {
-    /// Weighs lights at the surfaces that samples are taken at from now on.
-    pub(crate) fn weigh(&mut self, world: &World, surfaces: &[Surface], part: SkyPart) {
-        self.receivers.clear();
-        world.isa().run(WeighLights { world, surfaces, part, receivers: &mut self.receivers });
-    }
-
     /// Traces a light sample for each sampler, at its [place](place_of) among the surfaces, and passes on the unit vectors to
     /// the lights that are seen and the irradiance by them; gives the number of rays.
     pub(crate) fn trace(
@@ -69,24 +64,31 @@ impl LightRays {
         self.shadows.len() as u64
     }
 
-    /// Begins to choose lights.
+    /// Begins to choose lights, which are weighed once at each surface.
     #[inline(always)]
-    fn begin(&mut self, world: &World, samplers: &[Sampler]) {
+    fn begin(&mut self, world: &World, surfaces: &[Surface], part: SkyPart, samplers: &[Sampler]) {
         self.samples.clear();
+        self.receivers.clear();
+        self.receivers.resize_with(surfaces.len(), || None);
         for sampler in samplers {
-            let place = place_of(sampler, self.receivers.len());
+            let place = place_of(sampler, surfaces.len());
             let [x, y, finer, _] = sampler.uniform4(LIGHT_SET);
             let numbers = (unit_double(Vec2::new(x, finer)), y);
-            let (receiver, weights) = &self.receivers[place];
+            let known = &mut self.receivers[place];
+            if known.is_none() {
+                let receiver = surfaces[place].receiver();
+                *known = Some((receiver, world.lights.weigh(&receiver, part)));
+            }
+            let Some((receiver, weights)) = known else { continue };
             let choice = world.lights.begin(receiver, weights, numbers.0);
-            self.samples.push(LightRaySample { place, choice, numbers });
+            self.samples.push(LightRaySample { place, receiver: *receiver, choice, numbers });
         }
     }
 
     /// Chooses the lights of all samples, step by step.
     #[inline(always)]
     fn choose(&mut self, world: &World) {
-        let Self { samples, choosing, receivers, .. } = self;
+        let Self { samples, choosing, .. } = self;
         choosing.clear();
         choosing.extend(0..samples.len() as u32);
         let mut count = choosing.len();
@@ -97,7 +99,7 @@ impl LightRays {
                 let number = choosing[k];
                 choosing[left] = number;
                 let sample = &mut samples[number as usize];
-                left += usize::from(world.lights.descend(&receivers[sample.place].0, &mut sample.choice));
+                left += usize::from(world.lights.descend(&sample.receiver, &mut sample.choice));
             }
             count = left;
         }
@@ -109,7 +111,7 @@ impl LightRays {
         self.shadows.clear();
         self.directions.clear();
         self.irradiance.clear();
-        for LightRaySample { place, choice, numbers } in &self.samples {
+        for LightRaySample { place, choice, numbers, .. } in &self.samples {
             let (surface, light) = (&surfaces[*place], world.lights.end(choice));
             let white = surface.white();
             for light in sample_direct_from(world, surface, |towards| white.eval(towards), how, (light, *numbers)) {
@@ -131,27 +133,7 @@ pub(super) fn place_of(sampler: &Sampler, surfaces: usize) -> usize {
     (place as usize).min(surfaces - 1)
 }
 
-/// The weights of lights at surfaces, as a task that is compiled for each instruction set.
-struct WeighLights<'a> {
-    world: &'a World,
-    surfaces: &'a [Surface<'a>],
-    part: SkyPart,
-    receivers: &'a mut Vec<(Receiver, Weights)>,
-}
-
-impl Task for WeighLights<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run(self) {
-        for surface in self.surfaces {
-            let receiver = surface.receiver();
-            self.receivers.push((receiver, self.world.lights.weigh(&receiver, self.part)));
-        }
-    }
-}
-
-/// The rays of samples, likewise.
+/// The rays of samples, as a task that is compiled for each instruction set.
 struct MakeRays<'a> {
     world: &'a World,
     surfaces: &'a [Surface<'a>],
@@ -166,7 +148,7 @@ impl Task for MakeRays<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { world, surfaces, how, samplers, rays } = self;
-        rays.begin(world, samplers);
+        rays.begin(world, surfaces, how.1, samplers);
         rays.choose(world);
         rays.aim(world, surfaces, how);
     }
@@ -202,7 +184,6 @@ mod tests {
             let samplers: Vec<Sampler> = (0..500).map(|i| Sampler::new(Pattern::Sobol, 3, 7, i)).collect();
             for how in [(LightSampling::Mis, SkyPart::Sun), (LightSampling::Direct, SkyPart::Sun)] {
                 let mut found = Vec::new();
-                rays.weigh(&world, &surfaces, how.1);
                 let traced = rays.trace(&world, &surfaces, how, &samplers, |direction, irradiance| {
                     found.push((direction, irradiance));
                 });

@@ -75,7 +75,6 @@ impl SensorScratch {
     /// Adds samples of lights.
     fn sample_lights(&mut self, world: &World, surface: &Surface, lights: LightSampling, sum: &mut DVec3) -> u64 {
         let (surfaces, how) = (std::slice::from_ref(surface), (lights, SkyPart::Sun));
-        self.lights.weigh(world, surfaces, how.1);
         let mut lit = DVec3::ZERO;
         let found = |_, irradiance: Vec3| lit += irradiance.as_dvec3();
         let rays = self.lights.trace(world, surfaces, how, &self.samplers, found);
