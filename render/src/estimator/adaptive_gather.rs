@@ -1,9 +1,13 @@
-//! Gathers with as many rays as their standard error requires.
+//! Gathers with as many rays as their noise requires.
 //!
-//! The standard error of a gather with few rays tells how many rays would be enough, as the variance of a mean falls
-//! with their number. The gather is repeated with that many, a power of two times the first number, until its error is
-//! small enough. Rays of earlier gathers are discarded: repeated gathers had found more light than others on average,
-//! and would bias the mean upwards.
+//! Gathers `i` of `n_i` rays, one of which has a standard deviation of `s_i`, have a mean squared error of
+//! `mean(s_i² / n_i)`. For a given error the rays are fewest in total where `n_i` is proportional to `s_i` (the optimal
+//! allocation of Neyman 1934): `n_i = s_i mean(s) / error²`. Equal errors everywhere would need `s_i² / error²`, most of
+//! them in the brightest places.
+//!
+//! The standard error of a gather with few rays tells its `s_i`. The gather is repeated with `n_i` rays, rounded up to a
+//! power of two times the first number, until it has enough. Rays of earlier gathers are discarded: repeated gathers had
+//! found more light than others on average, and would bias the mean upwards.
 
 use super::follow::Follow;
 use super::gather::{GatherPoint, Gathered, Gatherer};
@@ -12,29 +16,38 @@ use crate::world::World;
 
 /// The most rays of a gather.
 const MOST_RAYS: u32 = 1 << 15;
-/// The ratio by which a variance may exceed the requested one.
+/// The ratio by which the required number of rays may exceed that of a gather which is kept.
 const SLACK: f32 = 1.25;
+
+/// The number of rays of gathers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct RayBudget {
+    /// Rays of a gather at first.
+    pub(crate) first: u32,
+    /// Rays over the standard deviation of one of them, in m²/W: `mean(s) / error²`.
+    pub(crate) over_deviation: f32,
+}
 
 /// Makes gathers of one number of rays, or of as many as they need.
 pub(crate) struct AdaptiveGatherer {
     /// Gatherers with twice as many rays each.
     gatherers: Vec<Gatherer>,
-    /// The standard error that is small enough, in W/m².
-    tolerance: f32,
+    /// Rays over the standard deviation of one of them.
+    over_deviation: f32,
 }
 
 impl From<Gatherer> for AdaptiveGatherer {
     fn from(gatherer: Gatherer) -> Self {
-        Self { gatherers: vec![gatherer], tolerance: f32::INFINITY }
+        Self { gatherers: vec![gatherer], over_deviation: 0.0 }
     }
 }
 
 impl AdaptiveGatherer {
-    /// Gathers of `rays` rays or more, until their standard error is at most `tolerance`; with Hessians or without.
-    pub(crate) fn new((rays, tolerance): (u32, f32), layout: GatherLayout, with_hessian: bool, seed: u64) -> Self {
-        let numbers = (0..).map(|round| rays << round).take_while(|&rays| rays <= MOST_RAYS);
+    /// Gathers of as many rays as a budget says; with Hessians or without.
+    pub(crate) fn new(budget: RayBudget, layout: GatherLayout, with_hessian: bool, seed: u64) -> Self {
+        let numbers = (0..).map(|round| budget.first << round).take_while(|&rays| rays <= MOST_RAYS);
         let gatherers = numbers.map(|rays| Gatherer::new(layout, rays, with_hessian, seed)).collect();
-        Self { gatherers, tolerance }
+        Self { gatherers, over_deviation: budget.over_deviation }
     }
 
     /// Gathers at `points`; gives what each found, in their order, and the number of all rays.
@@ -62,9 +75,11 @@ impl AdaptiveGatherer {
         (found, rays)
     }
 
-    /// The round that should be right enough after what another found: the same if that is.
+    /// The round with enough rays after what another found: the same if that has enough.
     fn next(&self, round: usize, found: &Gathered) -> usize {
-        let excess = (found.gather.standard_error / self.tolerance).powi(2) / SLACK;
+        let rays = self.gatherers[round].rays() as f32;
+        let deviation = found.gather.standard_error * rays.sqrt();
+        let excess = deviation * self.over_deviation / (SLACK * rays);
         // False for NaN too.
         if excess > 1.0 {
             let further = excess.log2().ceil().clamp(1.0, 32.0) as usize;
@@ -72,5 +87,50 @@ impl AdaptiveGatherer {
         } else {
             round
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use halfdome_kernel::irradiance::Gather;
+
+    use super::*;
+    use crate::estimator::occluders::OccluderSectors;
+
+    /// What a gather of `rays` rays finds, one of which has this standard deviation.
+    fn found(deviation: f32, rays: u32) -> Gathered {
+        let gather = Gather {
+            irradiance: Vec3::ONE,
+            rotational: [Vec3::ZERO; 3],
+            translational: [Vec3::ZERO; 3],
+            harmonic_mean_distance: 1.0,
+            minimum_distance: 1.0,
+            standard_error: deviation / (rays as f32).sqrt(),
+        };
+        Gathered { gather, hessian: None, occluders: OccluderSectors::OPEN }
+    }
+
+    /// For deviations from 0.1 to 10 times their mean the error is what was asked for, in half of the rays that equal
+    /// errors take; and a gather with enough rays is not repeated.
+    #[test]
+    fn rays_are_proportional_to_the_deviation() {
+        let deviations: Vec<f32> = (0..200).map(|i| 10f32.powf(0.01 * i as f32 - 1.0)).collect();
+        let over = |count: usize, sum: f32| sum / count as f32;
+        let (error, mean) = (0.03f32, over(deviations.len(), deviations.iter().sum()));
+        let budget = RayBudget { first: 256, over_deviation: mean / (error * error) };
+        let gatherer = AdaptiveGatherer::new(budget, GatherLayout::Stratified, false, 1);
+        let (mut squares, mut rays, mut rays_for_equal_errors) = (0.0, 0.0, 0.0);
+        for &deviation in &deviations {
+            let round = gatherer.next(0, &found(deviation, gatherer.gatherers[0].rays() as u32));
+            let enough = gatherer.gatherers[round].rays() as f32;
+            assert_eq!(gatherer.next(round, &found(deviation, enough as u32)), round, "deviation {deviation}");
+            squares += deviation * deviation / enough;
+            rays += enough;
+            rays_for_equal_errors += (deviation / error).powi(2).max(256.0);
+        }
+        let reached = over(deviations.len(), squares).sqrt();
+        assert!((0.75..1.05).contains(&(reached / error)), "{reached}, not {error}");
+        assert!(rays < 0.6 * rays_for_equal_errors, "{rays} of {rays_for_equal_errors}");
     }
 }

@@ -21,7 +21,7 @@ mod seen_lights;
 mod sky;
 mod weight;
 
-pub(crate) use adaptive_gather::AdaptiveGatherer;
+pub(crate) use adaptive_gather::{AdaptiveGatherer, RayBudget};
 pub(crate) use aimed_rays::{AimedFrom, AimedRays};
 pub(crate) use direct::{
     ShadowRay, area_light_sample, emitted_density, sample_direct, sample_direct_by, sample_light, scattered_weight,

@@ -129,7 +129,7 @@ impl Baker<'_> {
         let options = &self.options.cache;
         let (mut gathers, mut first) = (0, None);
         if self.uses_first_map() {
-            let (map, records, traced) = self.first_map(texels, &without_cache, aim)?;
+            let (map, records, traced) = self.first_map(texels, &without_cache)?;
             (gathers, rays) = (gathers + records, rays + traced);
             first = Some(map);
         }

@@ -36,7 +36,6 @@ impl Baker<'_> {
         &'t self,
         texels: &'t [Texel],
         direct: &Values,
-        aim: FillTarget,
     ) -> Option<(TexelIrradiance<'t>, u64, u64)> {
         let options = self.options.cache;
         let error = (ROUGH * options.error).min(CachedOptions::MAX_ERROR);
@@ -44,7 +43,7 @@ impl Baker<'_> {
         let records = CheckpointedRecords { checkpoint: self.checkpoint, stage: Stage::Rough };
         let source = GatherSource::paths(&rough);
         let (frozen, rays) =
-            self.fill(texels, (rough, self.options.seed ^ salts::ROUGH), (source, aim.of_means()), &records)?;
+            self.fill(texels, (rough, self.options.seed ^ salts::ROUGH), (source, FillTarget::Means), &records)?;
         let indirect = |texel: &Texel| frozen.irradiance(self.world, &self.surface(texel));
         let is_mean_seen = |texel: &&Texel| !is_partly_covered(self.world, self.surfaces, texel);
         let indirect = |texel: &Texel| Some(texel).filter(is_mean_seen).and_then(indirect);

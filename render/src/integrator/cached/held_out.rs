@@ -12,9 +12,10 @@ use rayon::prelude::*;
 
 use super::GatherSource;
 use super::clearance::lookup_point;
-use super::level::DirectGatherer;
+use super::level::{DirectGatherer, Follower};
+use super::to_accuracy::NOISE;
 use crate::cache::{Cache, LookupPoint};
-use crate::estimator::{GatherPoint, IncidentSampler, IncidentSink, salts};
+use crate::estimator::{GATHER_FIRST_SET, GatherPoint, Gatherer, IncidentSampler, IncidentSink, RayBudget, salts};
 use crate::settings::CachedOptions;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -36,9 +37,9 @@ const LIGHT_SAMPLES: u32 = 32;
 /// Points that a thread takes at once.
 const CHUNK: usize = 4;
 /// The fewest and the most rays of records at first.
-const RAYS_OF_RECORDS: [f32; 2] = [256.0, 2048.0];
-/// The median of the squares of a normal distribution with a variance of 1.
-const MEDIAN_SQUARE: f64 = 0.455;
+const RAYS_OF_RECORDS: [f64; 2] = [256.0, 2048.0];
+/// Records get this part of the mean number of rays at first: many need fewer.
+const FIRST_PART: f64 = 0.25;
 
 /// The light of a mean.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,25 +134,34 @@ impl<'w> HeldOut<'w> {
         if self.light > 0.0 { (variance.sqrt() / self.light) as f32 } else { 0.0 }
     }
 
-    /// The standard error in W/m² that is this part of the requested error, and the first number of rays.
-    pub(crate) fn rays_and_noise(&self, part: f32) -> (u32, f32) {
-        let tolerance = (f64::from(part) * self.allowed_error()) as f32;
-        // Where gathers end in what is known already they are less noisy, and more rays follow where it is too few.
-        let rays = (0.25 * self.rays_for(tolerance)).clamp(RAYS_OF_RECORDS[0], RAYS_OF_RECORDS[1]);
-        (rays.log2().round().exp2() as u32, tolerance)
+    /// Rays with which records that are gathered from `source` have their part of the requested error as the root mean
+    /// square of their standard errors, and the rays that were traced to find that number.
+    pub(super) fn ray_budget(
+        &self,
+        world: &World,
+        options: &CachedOptions,
+        source: GatherSource,
+        seed: u64,
+    ) -> (RayBudget, u64) {
+        let gatherer = Gatherer::new(options.layout, FIRST_RAYS, false, seed ^ salts::HELD_OUT[0]);
+        let points = self.gather_points();
+        let gathers = points.par_chunks(CHUNK).map(|points| {
+            let (found, rays) = gatherer.gather(world, points, &mut Follower::new(world, source, GATHER_FIRST_SET));
+            (found.iter().map(|found| f64::from(found.gather.standard_error)).sum::<f64>(), rays)
+        });
+        let gathers: Vec<(f64, u64)> = gathers.collect();
+        let (sum, traced) = gathers.iter().fold((0.0, 0), |(sum, all), (errors, rays)| (sum + errors, all + rays));
+        let deviation = sum / points.len().max(1) as f64 * (gatherer.rays() as f64).sqrt();
+        let allowed = (NOISE * self.allowed_error()).powi(2);
+        // Without any light both are 0.
+        let over_deviation = if deviation > 0.0 { deviation / allowed } else { 0.0 };
+        let [fewest, most] = RAYS_OF_RECORDS;
+        let first = (FIRST_PART * over_deviation * deviation).clamp(fewest, most).log2().round().exp2() as u32;
+        (RayBudget { first, over_deviation: over_deviation as f32 }, traced)
     }
 
-    /// Rays with which a gather by paths at most points has about this standard error, in W/m².
-    fn rays_for(&self, tolerance: f32) -> f32 {
-        let mut squares: Vec<f64> = self.gathered.iter().map(half_squared_difference).collect();
-        let middle = squares.len() / 2;
-        let Some((_, median, _)) =
-            (!squares.is_empty()).then(|| squares.select_nth_unstable_by(middle, f64::total_cmp))
-        else {
-            return 0.0;
-        };
-        // Without any light it is 0 of 0.
-        (*median / MEDIAN_SQUARE / f64::from(tolerance).powi(2)).max(0.0) as f32 * self.rays as f32
+    fn gather_points(&self) -> Vec<GatherPoint<'w>> {
+        (0..).zip(&self.surfaces).map(|(key, &surface)| GatherPoint { key, surface }).collect()
     }
 
     /// The mean squared error of a cache's irradiance over points and channels, in W²/m⁴; 0 if noise alone makes it less.
@@ -173,8 +183,7 @@ impl<'w> HeldOut<'w> {
 
     fn gather(&mut self, world: &World, options: &CachedOptions, seed: u64, watch: &dyn Watch) -> Option<()> {
         let options = CachedOptions { rays: self.rays, ..*options };
-        let points: Vec<GatherPoint> =
-            (0..).zip(&self.surfaces).map(|(key, &surface)| GatherPoint { key, surface }).collect();
+        let points = self.gather_points();
         let gathers = points.par_chunks(CHUNK).map(|points| {
             if watch.stop() {
                 return None;

@@ -16,7 +16,7 @@ use super::sites::{camera_sites, deeper_sites, point_passes, point_sites};
 use super::to_accuracy::{self, FillTarget};
 use super::{FrozenCache, GatherSource, HeldOut, Level, MeanLight, NoLog, RecordLog};
 use crate::cache::{Bounds, Cache, Pass, Place};
-use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer, salts};
+use crate::estimator::{AdaptiveGatherer, GatherPoint, Gatherer, RayBudget, salts};
 use crate::settings::{CachedOptions, Gradients, Metric, Settings};
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -33,8 +33,12 @@ const SENSOR_UNITS: f32 = 10.0;
 const DEEPER_UNITS: f32 = 40.0;
 /// From this many sites without a record on gathers use another cache instead of paths ...
 const MANY: usize = 1024;
-/// ... which has this many times fewer rays a record, as a gather averages over many of its records.
-const FEWER: u32 = 4;
+/// ... whose records have this many times fewer rays, as a gather averages over many of them, ...
+const FEWER: u32 = 5;
+/// ... and reach this many times as far, ...
+const FARTHER: f32 = 2.0;
+/// ... but not by more than this error: few records far apart would bias what all gathers see.
+const COARSEST: f32 = 0.5;
 /// Records that are doubtful get so many times more rays ...
 const MORE: u32 = 8;
 /// ... but no more than these.
@@ -135,11 +139,8 @@ impl Prefill<'_> {
                 let options = CachedOptions { bounces: Some(reflections), accuracy: None, ..options };
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
                 let source = below.as_ref().map_or(paths, GatherSource::Cache);
-                traced += self.level(FillTarget::Means, &options, source, &NoLog).fill(
-                    &mut cache,
-                    sites,
-                    &point_passes(sites.len()),
-                );
+                traced +=
+                    self.level(None, &options, source, &NoLog).fill(&mut cache, sites, &point_passes(sites.len()));
                 below = Some(FrozenCache::new(cache));
             }
         } else if source.is_none() {
@@ -148,7 +149,7 @@ impl Prefill<'_> {
                 let options = self::below(&options);
                 let sites = deeper_sites(world, sites, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
-                let level = self.level(self.aim.of_means(), &options, paths, &NoLog);
+                let level = self.level(None, &options, paths, &NoLog);
                 traced += level.fill(&mut cache, &sites, &point_passes(sites.len()));
                 below = Some(FrozenCache::new(cache));
             }
@@ -156,12 +157,14 @@ impl Prefill<'_> {
         let source = below.as_ref().map_or(paths, GatherSource::Cache);
         let (cache, rays) = match self.aim {
             FillTarget::Accuracy(held_out) => {
+                let (budget, rays) = held_out.ray_budget(world, &options, source, seed);
+                traced += rays;
                 to_accuracy::fill(cache, held_out, self.log, self.watch, |options, cache, log| {
-                    self.level(self.aim, options, source, log).fill(cache, sites, passes)
+                    self.level(Some(budget), options, source, log).fill(cache, sites, passes)
                 })
             }
-            FillTarget::Options | FillTarget::Means | FillTarget::Noise(..) => {
-                let level = self.level(self.aim, &options, source, self.log);
+            FillTarget::Options | FillTarget::Means => {
+                let level = self.level(None, &options, source, self.log);
                 let rays = Level { careful: self.careful(&options), ..level }.fill(&mut cache, sites, passes);
                 (cache, rays)
             }
@@ -169,19 +172,19 @@ impl Prefill<'_> {
         (FrozenCache::new(cache), traced + rays)
     }
 
-    /// What fills a cache of these options with light from a source.
+    /// What fills a cache of these options with light from a source, with as many rays as a budget says, if there is one.
     fn level<'l>(
         &'l self,
-        aim: FillTarget,
+        budget: Option<RayBudget>,
         options: &'l CachedOptions,
         source: GatherSource<'l>,
         log: &'l dyn RecordLog,
     ) -> Level<'l> {
         let Self { world, seed, watch, .. } = *self;
         let (layout, with_hessian) = (options.layout, options.metric == Metric::Hessian);
-        let gatherer = match aim.rays_and_noise() {
+        let gatherer = match budget {
             None => Gatherer::new(layout, options.rays, with_hessian, seed).into(),
-            Some(rays_and_noise) => AdaptiveGatherer::new(rays_and_noise, layout, with_hessian, seed),
+            Some(budget) => AdaptiveGatherer::new(budget, layout, with_hessian, seed),
         };
         Level {
             world,
@@ -208,6 +211,7 @@ impl Prefill<'_> {
 /// The options of the cache from which the records of a cache with `options` are gathered.
 fn below(options: &CachedOptions) -> CachedOptions {
     CachedOptions {
+        error: options.error.max(COARSEST.min(FARTHER * options.error)),
         rays: (options.rays / FEWER).max(CachedOptions::MIN_RAYS),
         metric: Metric::Hessian,
         gradients: Gradients::Both,

@@ -136,17 +136,20 @@ fn glossy_walls_are_as_bright_as_by_paths() {
     }
 }
 
+/// What the Cornell box's camera sees.
+fn cornell_surfaces(world: &World) -> Vec<Surface<'_>> {
+    let camera = world.camera_on(64, 64);
+    let rays = (0..64 * 64).filter_map(|pixel| camera.central_ray(&FilmPoint::middle(pixel % 64, pixel / 64)));
+    rays.filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
+        .filter(|surface| surface.diffuse != Vec3::ZERO)
+        .collect()
+}
+
 /// Of gathers of few rays some are far off. With more rays for these few are left.
 #[test]
 fn doubtful_records_are_gathered_again() {
     let world = World::new(cornell_box()).unwrap();
-    let settings = Settings { width: 64, height: 64, ..Settings::default() };
-    let camera = world.camera_on(settings.width, settings.height);
-    let rays = (0..64 * 64).filter_map(|pixel| camera.central_ray(&FilmPoint::middle(pixel % 64, pixel / 64)));
-    let surfaces: Vec<Surface> = rays
-        .filter_map(|ray| Some(world.surface_at(&Hit::of(&world.tree().intersect(&ray)?)).facing(ray.direction)))
-        .filter(|surface| surface.diffuse != Vec3::ZERO)
-        .collect();
+    let surfaces = cornell_surfaces(&world);
     let noisy = |aim: FillTarget| {
         let options = CachedOptions { rays: 24, ..CachedOptions::default() };
         let cache = Cache::new(options, world.surroundings_hash());
@@ -158,6 +161,24 @@ fn doubtful_records_are_gathered_again() {
     let [(before, all), (after, _)] = [FillTarget::Means, FillTarget::Options].map(noisy);
     println!("{before} of {all} records were noisy, {after} are");
     assert!(before > 20 && after * 4 < before, "{before} of {all} records were noisy, {after} are");
+}
+
+/// The root mean square of the records' standard errors is what was asked for.
+#[test]
+fn the_noise_of_records_is_what_was_asked_for() {
+    let world = World::new(cornell_box()).unwrap();
+    let surfaces = cornell_surfaces(&world);
+    const ACCURACY: f64 = 0.01;
+    let options = CachedOptions { accuracy: Some(ACCURACY as f32), ..CachedOptions::default() };
+    let points = (surfaces.len(), |i: usize| surfaces[i]);
+    let held_out = HeldOut::new(&world, &options, points, MeanLight::Total, 1, &NeverStops).unwrap();
+    let cache = Cache::new(options, world.surroundings_hash());
+    let (frozen, _) = fill_for_surfaces(&world, 1, cache, &surfaces, FillTarget::Accuracy(&held_out), &NeverStops);
+    let records = frozen.cache.records();
+    let squares = records.iter().map(|record| f64::from(record.standard_error).powi(2));
+    let reached = (squares.sum::<f64>() / records.len() as f64).sqrt() / f64::from(held_out.light());
+    println!("{} records: {reached}", records.len());
+    assert!((0.4 * ACCURACY..0.8 * ACCURACY).contains(&reached), "{reached}");
 }
 
 /// A camera that looks down at a polished floor sees the ceiling behind it, which has records for that.

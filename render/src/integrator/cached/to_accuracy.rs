@@ -1,9 +1,13 @@
 //! Fills a cache so that its irradiance has the requested error.
 //!
 //! An error has two parts. Noise is controlled per record: each is gathered with as many rays as its own standard error
-//! requires. Radii are found by trial: a cache of few records is filled, and held-out points estimate its error
-//! ([`HeldOut`]); while that is too large, the next cache has smaller radii. As radii are proportional to one number,
-//! records of earlier caches are reused where their points are picked again.
+//! requires ([`AdaptiveGatherer`](crate::estimator::AdaptiveGatherer)). Radii are found by trial: a cache of few records
+//! is filled, and held-out points estimate its error ([`HeldOut`]); while that is too large, the next cache has smaller
+//! radii. As radii are proportional to one number, records of earlier caches are reused where their points are picked
+//! again.
+//!
+//! Caches over whose records gathers take means have a fixed number of rays a record: rays by their noise would bias what
+//! all gathers see, as records that have missed the light look as if they had little noise.
 //!
 //! Errors at single points, away from all held-out points, are not detected.
 
@@ -22,10 +26,8 @@ const FIRST_ERROR: f32 = 0.3;
 const FIRST_ERRORS: [f32; 2] = [0.15, 0.6];
 /// The part of the mean squared error that light may have which is sampled at each point; the rest is for the cache's.
 pub(crate) const SAMPLED_SHARE: f64 = 0.3;
-/// What a record's standard error may be, as a part of the error that was asked for ...
-const NOISE: f32 = 0.7;
-/// ... and in a cache over which gathers take means.
-const NOISE_OF_MEANS: f32 = 3.0;
+/// What the root mean square of the records' standard errors may be, as a part of the error that was asked for.
+pub(super) const NOISE: f64 = 0.7;
 /// The most caches that are tried, ...
 const MOST_CACHES: u32 = 6;
 /// ... and the part of its squared error that a cache must have lost if another is to be tried.
@@ -40,33 +42,8 @@ pub(crate) enum FillTarget<'a> {
     Options,
     /// As their options make them.
     Means,
-    /// They have the radii of their options, and this many rays: rays at first, and a standard error in W/m².
-    Noise(u32, f32),
     /// So that the cache has the accuracy of its options at the points that were held out.
     Accuracy(&'a HeldOut<'a>),
-}
-
-impl FillTarget<'_> {
-    /// The aim of a cache whose values are averaged by gathers.
-    pub(crate) fn of_means(&self) -> FillTarget<'static> {
-        match self {
-            FillTarget::Options | FillTarget::Means => FillTarget::Means,
-            FillTarget::Noise(rays, tolerance) => FillTarget::Noise(*rays, *tolerance),
-            FillTarget::Accuracy(held_out) => {
-                let (rays, tolerance) = held_out.rays_and_noise(NOISE_OF_MEANS);
-                FillTarget::Noise(rays, tolerance)
-            }
-        }
-    }
-
-    /// Rays of records at first, and their standard error, if that is what they go by.
-    pub(super) fn rays_and_noise(&self) -> Option<(u32, f32)> {
-        match self {
-            FillTarget::Options | FillTarget::Means => None,
-            FillTarget::Noise(rays, tolerance) => Some((*rays, *tolerance)),
-            FillTarget::Accuracy(held_out) => Some(held_out.rays_and_noise(NOISE)),
-        }
-    }
 }
 
 /// The error of the records of a cache with these options. Their radii are smaller if the cache's are.
