@@ -13,7 +13,6 @@ use rayon::prelude::*;
 use super::GatherSource;
 use super::clearance::lookup_point;
 use super::level::{DirectGatherer, Follower};
-use super::to_accuracy::NOISE;
 use crate::cache::{Cache, LookupPoint};
 use crate::estimator::{GATHER_FIRST_SET, GatherPoint, Gatherer, IncidentSampler, IncidentSink, RayBudget, salts};
 use crate::settings::CachedOptions;
@@ -36,6 +35,8 @@ const KNOWN_TO: f64 = 0.25;
 const LIGHT_SAMPLES: u32 = 32;
 /// Points that a thread takes at once.
 const CHUNK: usize = 4;
+/// What the root mean square of the records' standard errors may be, as a part of the error that was asked for.
+const NOISE: f64 = 0.7;
 /// The fewest and the most rays of records at first.
 const RAYS_OF_RECORDS: [f64; 2] = [256.0, 2048.0];
 /// Records get this part of the mean number of rays at first: many need fewer.

@@ -26,8 +26,6 @@ const FIRST_ERROR: f32 = 0.3;
 const FIRST_ERRORS: [f32; 2] = [0.15, 0.6];
 /// The part of the mean squared error that light may have which is sampled at each point; the rest is for the cache's.
 pub(crate) const SAMPLED_SHARE: f64 = 0.3;
-/// What the root mean square of the records' standard errors may be, as a part of the error that was asked for.
-pub(super) const NOISE: f64 = 0.7;
 /// The most caches that are tried, ...
 const MOST_CACHES: u32 = 6;
 /// ... and the part of its squared error that a cache must have lost if another is to be tried.
