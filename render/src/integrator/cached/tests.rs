@@ -178,7 +178,7 @@ fn the_noise_of_records_is_what_was_asked_for() {
     let squares = records.iter().map(|record| f64::from(record.standard_error).powi(2));
     let reached = (squares.sum::<f64>() / records.len() as f64).sqrt() / f64::from(held_out.light());
     println!("{} records: {reached}", records.len());
-    assert!((0.4 * ACCURACY..0.8 * ACCURACY).contains(&reached), "{reached}");
+    assert!((0.4 * ACCURACY..0.65 * ACCURACY).contains(&reached), "{reached}");
 }
 
 /// A camera that looks down at a polished floor sees the ceiling behind it, which has records for that.
