@@ -116,8 +116,8 @@ mod tests {
     #[test]
     fn rays_are_proportional_to_the_deviation() {
         let deviations: Vec<f32> = (0..200).map(|i| 10f32.powf(0.01 * i as f32 - 1.0)).collect();
-        let over = |count: usize, sum: f32| sum / count as f32;
-        let (error, mean) = (0.03f32, over(deviations.len(), deviations.iter().sum()));
+        let (error, count) = (0.03f32, deviations.len() as f32);
+        let mean = deviations.iter().sum::<f32>() / count;
         let budget = RayBudget { first: 256, over_deviation: mean / (error * error) };
         let gatherer = AdaptiveGatherer::new(budget, GatherLayout::Stratified, false, 1);
         let (mut squares, mut rays, mut rays_for_equal_errors) = (0.0, 0.0, 0.0);
@@ -129,7 +129,7 @@ mod tests {
             rays += enough;
             rays_for_equal_errors += (deviation / error).powi(2).max(256.0);
         }
-        let reached = over(deviations.len(), squares).sqrt();
+        let reached = (squares / count).sqrt();
         assert!((0.75..1.05).contains(&(reached / error)), "{reached}, not {error}");
         assert!(rays < 0.6 * rays_for_equal_errors, "{rays} of {rays_for_equal_errors}");
     }

@@ -161,6 +161,7 @@ impl<'w> HeldOut<'w> {
         (RayBudget { first, over_deviation: over_deviation as f32 }, traced)
     }
 
+    /// The points as gathers take them.
     fn gather_points(&self) -> Vec<GatherPoint<'w>> {
         (0..).zip(&self.surfaces).map(|(key, &surface)| GatherPoint { key, surface }).collect()
     }
