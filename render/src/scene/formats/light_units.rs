@@ -2,8 +2,15 @@
 //!
 //! `KHR_lights_punctual` is photometric: candela and lux. Blender's exporter multiplies watts by 683 lm/W for it by
 //! default ("Standard"), but not the emission of surfaces; so in such a file lights are 683 times too bright relative
-//! to emitters. Its modes "Unitless" and "Raw" do not multiply, and the file does not store the mode. In files of other
+//! to emitters. Its mode "Unitless" does not multiply, and the file does not store the mode. In files of other
 //! programs lights and emission have the same units, and numbers are used unchanged.
+//!
+//! The mode is inferred from the numbers. People type powers of few digits: 1500 W are 119.366 W/sr, which by
+//! "Standard" would have been 2.196193 W. So the mode by which more lights have a round power is it. Of any other
+//! number, one in 2000 is round by chance. Where that does not decide (powers set with the mouse), brightness does.
+
+use std::cmp::Ordering;
+use std::f64::consts::PI;
 
 use glam::Vec3;
 
@@ -12,11 +19,47 @@ use crate::scene::{LightUnits, PunctualLight, Scene};
 /// Luminous efficacy by which Blender's exporter multiplies.
 pub(crate) const LUMENS_PER_WATT: f32 = 683.0;
 
-/// Lights of a file by Blender that are brighter are lumens: they would be 1200 W otherwise, weaker ones 2 W.
-const MIN_PHOTOMETRIC_CANDELA: f32 = 93.0;
+/// Lights of a file by Blender that are brighter are lumens: they would be 3100 W otherwise, weaker ones 4.6 W.
+const MIN_PHOTOMETRIC_CANDELA: f32 = 250.0;
 
 /// Likewise for its suns: 36 W/m² are much, and 36 lx little.
 const MIN_PHOTOMETRIC_LUX: f32 = 36.0;
+
+/// How strong a light is by the numbers of a file, without its colour.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Strength {
+    /// Of points and spots, in candela or W/sr.
+    Intensity(f32),
+    /// Of suns, in lux or W/m².
+    Irradiance(f32),
+}
+
+impl Strength {
+    /// What Blender shows for a light: watts into all directions, or W/m².
+    fn blender_power(self, units: LightUnits) -> f64 {
+        let power = match self {
+            Self::Intensity(intensity) => 4.0 * PI * f64::from(intensity),
+            Self::Irradiance(irradiance) => f64::from(irradiance),
+        };
+        power * f64::from(units.factor())
+    }
+
+    fn is_bright(self) -> bool {
+        match self {
+            Self::Intensity(intensity) => intensity > MIN_PHOTOMETRIC_CANDELA,
+            Self::Irradiance(irradiance) => irradiance > MIN_PHOTOMETRIC_LUX,
+        }
+    }
+}
+
+/// Whether a positive number has at most three significant digits, up to the rounding of `f32`.
+fn is_round(number: f64) -> bool {
+    if !(number.is_finite() && number > 0.0) {
+        return false;
+    }
+    let digits = number / 10_f64.powf(number.log10().floor() - 2.0);
+    (digits - digits.round()).abs() < 3e-7 * digits
+}
 
 impl LightUnits {
     /// The name in scene files and on the command line.
@@ -35,17 +78,15 @@ impl LightUnits {
         }
     }
 
-    /// What lights are that have been read with the numbers of the file.
-    pub(super) fn guess(lights: &[PunctualLight], is_from_blender: bool) -> Self {
-        let is_bright = |light: &PunctualLight| match light {
-            PunctualLight::Point { intensity, .. } | PunctualLight::Spot { intensity, .. } => {
-                intensity.max_element() > MIN_PHOTOMETRIC_CANDELA
-            }
-            // Blender writes none.
-            PunctualLight::Profiled { .. } => false,
-            PunctualLight::Directional { irradiance, .. } => irradiance.max_element() > MIN_PHOTOMETRIC_LUX,
-        };
-        if is_from_blender && lights.iter().any(is_bright) { Self::Photometric } else { Self::Radiometric }
+    /// The units of the lights of a file by Blender.
+    pub(super) fn guess_of_blender(lights: &[Strength]) -> Self {
+        let round = |units| lights.iter().filter(|light| is_round(light.blender_power(units))).count();
+        match round(Self::Photometric).cmp(&round(Self::Radiometric)) {
+            Ordering::Greater => Self::Photometric,
+            Ordering::Less => Self::Radiometric,
+            Ordering::Equal if lights.iter().any(|light| light.is_bright()) => Self::Photometric,
+            Ordering::Equal => Self::Radiometric,
+        }
     }
 }
 
@@ -78,20 +119,46 @@ mod tests {
         PunctualLight::Directional { direction: Vec3::NEG_Y, irradiance: Vec3::splat(irradiance), half_angle: 0.0 }
     }
 
-    /// Blender's intensities for lamps of 5 to 1000 W, and suns of strength 0.1 to 20, in both modes.
+    const FACTORS: [(LightUnits, f64); 2] = [(LightUnits::Radiometric, 1.0), (LightUnits::Photometric, 683.0)];
+
+    fn lamp(watts: f64, factor: f64) -> Strength {
+        Strength::Intensity((factor * watts / (4.0 * PI)) as f32)
+    }
+
+    /// Powers as people type them: from a candle to a stage, and from moonlight to a sun of the tropics.
     #[test]
-    fn blender_s_modes_are_told_apart_for_usual_lights() {
-        let tell = |light: PunctualLight| LightUnits::guess(&[light], true);
-        for watts in [5.0_f32, 40.0, 1000.0] {
-            let intensity = watts / (4.0 * std::f32::consts::PI);
-            assert_eq!(tell(point(intensity)), LightUnits::Radiometric, "{watts} W");
-            assert_eq!(tell(point(683.0 * intensity)), LightUnits::Photometric, "{watts} W");
+    fn round_powers_tell_blender_s_modes_apart() {
+        for (units, factor) in FACTORS {
+            for watts in [0.1, 0.25, 1.0, 2.5, 40.0, 1000.0, 1500.0, 12_500.0, 1e6] {
+                assert_eq!(LightUnits::guess_of_blender(&[lamp(watts, factor)]), units, "{watts} W");
+            }
+            for strength in [0.002, 0.1, 1.0, 3.25, 10.0, 137.0] {
+                let sun = Strength::Irradiance((factor * strength) as f32);
+                // A number that is round by both modes is told by its size: 683 lx or 1 W/m².
+                assert_eq!(LightUnits::guess_of_blender(&[sun]), units, "{strength} W/m²");
+            }
         }
-        for strength in [0.1, 1.0, 20.0] {
-            assert_eq!(tell(sun(strength)), LightUnits::Radiometric, "{strength}");
-            assert_eq!(tell(sun(683.0 * strength)), LightUnits::Photometric, "{strength}");
+    }
+
+    /// Powers set with the mouse: lamps of 5 to 3000 W. A few of them beside round ones do not matter.
+    #[test]
+    fn brightness_tells_them_apart_where_no_power_is_round() {
+        for (units, factor) in FACTORS {
+            let dragged = [5.123_456, 87.654_32, 2987.654].map(|watts| lamp(watts, factor));
+            for light in dragged {
+                assert_eq!(LightUnits::guess_of_blender(&[light]), units, "{light:?}");
+            }
+            let dim = [lamp(0.876_543, factor), lamp(2.0, factor), lamp(1.5, factor)];
+            assert_eq!(LightUnits::guess_of_blender(&dim), units);
+            let bright = [lamp(9876.543, factor), lamp(5000.0, factor)];
+            assert_eq!(LightUnits::guess_of_blender(&bright), units);
         }
-        assert_eq!(LightUnits::guess(&[sun(1000.0)], false), LightUnits::Radiometric);
+    }
+
+    #[test]
+    fn lights_that_are_off_tell_nothing() {
+        assert_eq!(LightUnits::guess_of_blender(&[Strength::Intensity(0.0)]), LightUnits::Radiometric);
+        assert_eq!(LightUnits::guess_of_blender(&[]), LightUnits::Radiometric);
     }
 
     #[test]

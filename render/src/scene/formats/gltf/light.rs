@@ -17,7 +17,8 @@ use serde_json::Value;
 
 use super::Document;
 use super::hierarchy::Placed;
-use crate::scene::{PunctualLight, SceneError, SpotEdge};
+use crate::scene::formats::light_units::Strength;
+use crate::scene::{LightUnits, PunctualLight, SceneError, SpotEdge};
 
 /// Light `index` of the file at a node.
 pub(super) fn read(
@@ -77,6 +78,20 @@ pub(super) fn read(
         }
         Checked::Invalid => Err(document.error(place, "its type is unknown", "use directional, point or spot")),
     }
+}
+
+/// The units of the file's lights. Only Blender writes some that are not those of its emission.
+pub(super) fn units(document: &Document) -> LightUnits {
+    if !document.is_from_blender() {
+        return LightUnits::Radiometric;
+    }
+    let extensions = document.root.extensions.as_ref();
+    let listed = extensions.and_then(|extensions| extensions.khr_lights_punctual.as_ref());
+    let strengths = listed.iter().flat_map(|listed| &listed.lights).map(|light| match light.type_ {
+        Checked::Valid(Type::Directional) => Strength::Irradiance(light.intensity),
+        _ => Strength::Intensity(light.intensity),
+    });
+    LightUnits::guess_of_blender(&strengths.collect::<Vec<_>>())
 }
 
 /// Whether a light is a spot at a node whose axes are not equally long, by a hundredth, or not at right angles.

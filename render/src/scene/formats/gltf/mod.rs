@@ -274,7 +274,7 @@ fn read(
         }
     }
     if !scene.lights.is_empty() {
-        let units = LightUnits::guess(&scene.lights, document.is_from_blender());
+        let units = light::units(&document);
         scene.set_light_units(units);
         if units == LightUnits::Photometric {
             warnings.push(format!(
