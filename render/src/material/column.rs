@@ -37,6 +37,20 @@ const fn weights() -> [f32; NODES] {
     rounded
 }
 
+/// The cosine itself: those of the nodes.
+pub(super) const COSINES: Column = Column(cosines());
+
+const fn cosines() -> [f32; NODES] {
+    let mut cosines = [0.0; NODES];
+    let mut k = 0;
+    while k < NODES {
+        let root = k as f32 / LAST;
+        cosines[k] = root * root;
+        k += 1;
+    }
+    cosines
+}
+
 impl Column {
     /// 0 everywhere.
     pub(super) const ZERO: Self = Self([0.0; NODES]);
@@ -45,10 +59,7 @@ impl Column {
 
     /// The function of each node's cosine.
     pub(super) fn from_fn(mut f: impl FnMut(f32) -> f32) -> Self {
-        Self::by_node(|k| {
-            let root = k as f32 / LAST;
-            f(root * root)
-        })
+        Self::by_node(|k| f(COSINES.0[k]))
     }
 
     /// The function of each node's number. A loop, as `array::from_fn` and `map` are not always inlined.

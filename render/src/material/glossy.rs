@@ -19,13 +19,13 @@ use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 
-use super::column::{Blend, Column, Node};
+use super::column::{Blend, COSINES, Column, Node};
 use super::energy;
 use super::eon::Eon;
 use super::film::Film;
 use super::fresnel::{Dielectric, Metal};
 use super::ggx::Ggx;
-use super::lobes::{Choice, Lobes, Parts, choose, mean};
+use super::lobes::{Choice, Energy, Lobes, Parts, choose, mean};
 use super::reflection::{Chosen, Reflection, Side};
 use super::{Event, Inputs};
 
@@ -142,13 +142,15 @@ impl Glossy {
     }
 
     /// `t(μ)` of all angles.
+    #[inline]
     fn below(&self) -> Column {
-        Column::from_fn(|cos| self.left_at(cos).0)
+        let (full, fresnel) = (self.full.column(), self.fresnel.column());
+        Column::by_node(|k| self.below_at(COSINES.0[k], full.0[k], fresnel.0[k]))
     }
 
-    /// Roughly how much is scattered about one direction, by angle and as a cover dims it, its tint, and how much in all.
+    /// Roughly how much is scattered. What goes about one direction is as a cover dims it.
     #[inline]
-    pub(super) fn energy(&self) -> (Column, Vec3, f32) {
+    pub(super) fn energy(&self) -> Energy {
         let metalness = self.reflection.metalness;
         let metal = metalness * self.reflection.metal.mean();
         let most = metal.max_element();
@@ -163,16 +165,9 @@ impl Glossy {
         };
         let white = dielectric * (1.0 - self.below_mean);
         let tint = (metal + white) / (most + white).max(f32::MIN_POSITIVE);
-        (glossy, tint, mean(metal) + white + self.diffuse_energy * self.below_mean)
-    }
-
-    /// How much wide lobes scatter by angle, in any unit but 0.
-    #[inline]
-    pub(super) fn wide(&self) -> Column {
-        Column::from_fn(|cos| {
-            let (below, _) = self.left_at(cos);
-            self.diffuse_energy * below + f32::MIN_POSITIVE
-        })
+        let all = mean(metal) + white + self.diffuse_energy * self.below_mean;
+        let wide = below.map(|below| self.diffuse_energy * below + f32::MIN_POSITIVE);
+        Energy { all, glossy, tint, wide }
     }
 
     #[inline]

@@ -4,6 +4,7 @@
 use glam::{Vec2, Vec3};
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 
+use super::column::Column;
 use super::{Bsdf, Evaluation, Event, Inputs, Sample};
 
 /// An [`Evaluation`] in two parts, as layers above treat them differently.
@@ -28,6 +29,18 @@ impl Parts {
         self.density += share * parts.density;
         self.reverse_density += share * parts.reverse_density;
     }
+}
+
+/// Roughly how much is scattered.
+#[derive(Clone, Copy)]
+pub(super) struct Energy {
+    /// In all.
+    pub(super) all: f32,
+    /// About one direction, by angle, and its tint, of what is not glass.
+    pub(super) glossy: Column,
+    pub(super) tint: Vec3,
+    /// The energy of wide lobes by angle, in any unit but 0.
+    pub(super) wide: Column,
 }
 
 /// A sample of a lobe.

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 
 use super::column::Column;
 use super::glass::Glass;
-use super::lobes::{Choice, Lobes, Parts, choose};
+use super::lobes::{Choice, Energy, Lobes, Parts, choose};
 use super::{Glossy, Inputs};
 
 /// See [`Kind::Transmissive`](super::Kind::Transmissive).
@@ -16,18 +16,6 @@ pub struct Transmissive {
     rest: Option<Glossy>,
 }
 
-/// Roughly how much is scattered.
-#[derive(Clone, Copy)]
-pub(super) struct Energy {
-    /// In all.
-    pub(super) all: f32,
-    /// About one direction, by angle, and its tint, of what is not glass.
-    pub(super) glossy: Column,
-    pub(super) tint: Vec3,
-    /// The energy of wide lobes by angle, in any unit but 0.
-    pub(super) wide: Column,
-}
-
 impl Transmissive {
     #[inline]
     pub(super) fn energy(&self) -> Energy {
@@ -36,12 +24,10 @@ impl Transmissive {
             energy.all += self.share * glass.energy();
         }
         if let Some(rest) = &self.rest {
-            let share = 1.0 - self.share;
-            let (glossy, tint, all) = rest.energy();
-            energy.all += share * all;
-            energy.glossy = glossy.map(|glossy| share * glossy);
-            energy.tint = tint;
-            energy.wide = rest.wide();
+            let (share, rest) = (1.0 - self.share, rest.energy());
+            energy.all += share * rest.all;
+            energy.glossy = rest.glossy.map(|glossy| share * glossy);
+            (energy.tint, energy.wide) = (rest.tint, rest.wide);
         }
         energy
     }

@@ -36,7 +36,8 @@ impl World {
         let (in_world, of_objects) = scene.meshes_by_object();
         let is_moving = |number: &usize| motion.as_ref().is_some_and(|motion| motion.meshes.contains_key(number));
         let (moving, in_world): (Vec<usize>, Vec<usize>) = in_world.into_iter().partition(is_moving);
-        let Scene { meshes, materials, textures, lights, mut light_labels, instances, sky, optics, .. } = scene;
+        let Scene { meshes, mut materials, textures, lights, mut light_labels, instances, sky, optics, .. } = scene;
+        forget_missing_colors(&meshes, &mut materials);
         light_labels.resize(lights.len(), LightLabel::default());
         let mut triangles = TriangleTable::new(&meshes, &materials);
         let mut corners = triangles.add(&in_world);
@@ -196,6 +197,16 @@ impl<'a> TriangleTable<'a> {
 
 fn has_colors(mesh: &Mesh, materials: &[Material]) -> bool {
     materials[mesh.material].uses_vertex_colors && !mesh.colors.is_empty()
+}
+
+/// Clears the flag of materials none of whose meshes has vertex colours: formats set it for any material, and closures of
+/// such a material are made at each point instead of once.
+fn forget_missing_colors(meshes: &[Mesh], materials: &mut [Material]) {
+    let mut are_there = vec![false; materials.len()];
+    for mesh in meshes.iter().filter(|mesh| !mesh.colors.is_empty()) {
+        are_there[mesh.material] = true;
+    }
+    materials.iter_mut().zip(are_there).for_each(|(material, are_there)| material.uses_vertex_colors &= are_there);
 }
 
 /// Whether nothing varies over its triangles.
