@@ -176,11 +176,12 @@ impl<'a> TriangleTable<'a> {
             let mesh = &self.meshes[number];
             self.first_faces[number] = self.records.len() as u32;
             let own = &triangles[self.records.len() - first..][..mesh.triangles.len()];
-            let is_plain = u32::from(is_plain(mesh, self.materials));
+            let is_even = is_even(mesh, self.materials);
             self.bulges.extend(Convexity::of_mesh(mesh, &self.materials[mesh.material]));
-            self.records.extend(own.iter().map(|&corners| {
+            self.records.extend(own.iter().zip(&mesh.triangles).map(|(&corners, &triangle)| {
                 let normal = triangle_normal(&corners);
                 let offset = offset_distance(&corners, normal);
+                let is_plain = u32::from(is_even && TriangleRecord::is_flat(mesh, triangle, normal));
                 TriangleRecord {
                     corners,
                     normal,
@@ -209,9 +210,10 @@ fn forget_missing_colors(meshes: &[Mesh], materials: &mut [Material]) {
     materials.iter_mut().zip(are_there).for_each(|(material, are_there)| material.uses_vertex_colors &= are_there);
 }
 
-/// Whether nothing varies over its triangles.
-fn is_plain(mesh: &Mesh, materials: &[Material]) -> bool {
-    mesh.normals.is_empty() && materials[mesh.material].is_uniform() && !has_colors(mesh, materials)
+/// Whether nothing but the normals varies over its triangles.
+fn is_even(mesh: &Mesh, materials: &[Material]) -> bool {
+    let material = &materials[mesh.material];
+    material.is_uniform() && !material.is_anisotropic() && !has_colors(mesh, materials)
 }
 
 /// The unit normal of the side of a triangle that is its front, which its mesh's own normals say, whatever the winding;

@@ -6,8 +6,8 @@
 //! programs lights and emission have the same units, and numbers are used unchanged.
 //!
 //! The mode is inferred from the numbers. People type powers of few digits: 1500 W are 119.366 W/sr, which by
-//! "Standard" would have been 2.196193 W. So the mode by which more lights have a round power is it. Of any other
-//! number, one in 2000 is round by chance. Where that does not decide (powers set with the mouse), brightness does.
+//! "Standard" would have been 2.196193 W. So the mode by which the powers have fewer digits is it. Where that does not
+//! decide (powers set with the mouse), brightness does.
 
 use std::cmp::Ordering;
 use std::f64::consts::PI;
@@ -52,14 +52,21 @@ impl Strength {
     }
 }
 
-/// Whether a positive number has at most three significant digits, up to the rounding of `f32`.
-fn is_round(number: f64) -> bool {
+/// How many significant digits a positive number has, up to the rounding of `f32`; [`MANY`] if it has more than three.
+fn digits(number: f64) -> u32 {
     if !(number.is_finite() && number > 0.0) {
-        return false;
+        return MANY;
     }
-    let digits = number / 10_f64.powf(number.log10().floor() - 2.0);
-    (digits - digits.round()).abs() < 3e-7 * digits
+    let exponent = number.log10().floor() as i32;
+    let has = |count: &u32| {
+        let whole = number * 10_f64.powi(*count as i32 - 1 - exponent);
+        (whole - whole.round()).abs() < 3e-7 * whole
+    };
+    (1..MANY).find(has).unwrap_or(MANY)
 }
+
+/// See [`digits`]: one number in 4000 has three by chance, one in 400 would have four.
+const MANY: u32 = 4;
 
 impl LightUnits {
     /// The name in scene files and on the command line.
@@ -80,10 +87,10 @@ impl LightUnits {
 
     /// The units of the lights of a file by Blender.
     pub(super) fn guess_of_blender(lights: &[Strength]) -> Self {
-        let round = |units| lights.iter().filter(|light| is_round(light.blender_power(units))).count();
-        match round(Self::Photometric).cmp(&round(Self::Radiometric)) {
-            Ordering::Greater => Self::Photometric,
-            Ordering::Less => Self::Radiometric,
+        let all_digits = |units| lights.iter().map(|light| digits(light.blender_power(units))).sum::<u32>();
+        match all_digits(Self::Photometric).cmp(&all_digits(Self::Radiometric)) {
+            Ordering::Less => Self::Photometric,
+            Ordering::Greater => Self::Radiometric,
             Ordering::Equal if lights.iter().any(|light| light.is_bright()) => Self::Photometric,
             Ordering::Equal => Self::Radiometric,
         }
@@ -127,14 +134,13 @@ mod tests {
 
     /// Powers as people type them: from a candle to a stage, and from moonlight to a sun of the tropics.
     #[test]
-    fn round_powers_tell_blender_s_modes_apart() {
+    fn powers_of_few_digits_tell_blender_s_modes_apart() {
         for (units, factor) in FACTORS {
             for watts in [0.1, 0.25, 1.0, 2.5, 40.0, 1000.0, 1500.0, 12_500.0, 1e6] {
                 assert_eq!(LightUnits::guess_of_blender(&[lamp(watts, factor)]), units, "{watts} W");
             }
             for strength in [0.002, 0.1, 1.0, 3.25, 10.0, 137.0] {
                 let sun = Strength::Irradiance((factor * strength) as f32);
-                // A number that is round by both modes is told by its size: 683 lx or 1 W/m².
                 assert_eq!(LightUnits::guess_of_blender(&[sun]), units, "{strength} W/m²");
             }
         }

@@ -154,6 +154,24 @@ mod tests {
         }
     }
 
+    /// Formats say of any material that vertex colours count. Where no mesh has some, closures are made once.
+    #[test]
+    fn vertex_colors_that_no_mesh_has_do_not_count() {
+        let glass = Inputs { transmission_weight: 1.0, ..Inputs::default() };
+        let scene = |colors: Vec<Vec4>| {
+            let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+            let mesh = Mesh { positions, triangles: vec![[0, 1, 2]], colors, ..Mesh::default() };
+            let material = Material { inputs: glass, uses_vertex_colors: true, ..Material::default() };
+            let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
+            // The first material is of no mesh.
+            let meshes = vec![Mesh { material: 1, ..mesh }];
+            Scene { meshes, materials: vec![material.clone(), material], camera: Some(camera), ..Scene::default() }
+        };
+        let varies = |colors| World::new(scene(colors)).unwrap().materials.iter().map(Varies::of).collect::<Vec<_>>();
+        assert_eq!(varies(Vec::new()), [Varies::Nothing; 2]);
+        assert_eq!(varies(vec![Vec4::ONE; 3]), [Varies::Nothing, Varies::BaseColor]);
+    }
+
     #[test]
     fn closures_of_which_more_varies_are_made_where_they_are() {
         for material in even() {

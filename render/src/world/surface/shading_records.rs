@@ -10,7 +10,7 @@ use halfdome_kernel::{Triangle, offset_distance, triangle_normal};
 
 use crate::light::{TrianglePart, area};
 use crate::material::Kind;
-use crate::scene::Material;
+use crate::scene::{Material, Mesh};
 
 /// A triangle, with the data that most hits need in one cache line.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
@@ -23,7 +23,7 @@ pub(crate) struct TriangleRecord {
     pub(crate) offset: f32,
     pub(crate) mesh: u32,
     pub(crate) material: u32,
-    /// Whether it has neither vertex normals nor textures nor holes: 1, else 0.
+    /// Whether it has neither textures nor holes, nor vertex normals but its own: 1, else 0.
     pub(crate) is_plain: u32,
 }
 
@@ -60,6 +60,18 @@ pub(crate) struct EmitterRecord {
 }
 
 impl TriangleRecord {
+    /// Whether the vertex normals of a triangle, if it has any, are its own, `normal`: files often have some for flat
+    /// faces too.
+    pub(crate) fn is_flat(mesh: &Mesh, triangle: [u32; 3], normal: Vec3) -> bool {
+        // Blender's exporter rounds normals to four digits.
+        const ROUNDING: f32 = 2e-4;
+        let is_close = |corner: u32| {
+            let own = mesh.normals[corner as usize].normalize_or_zero();
+            own.distance_squared(normal) < ROUNDING * ROUNDING
+        };
+        mesh.normals.is_empty() || triangle.into_iter().all(is_close)
+    }
+
     /// The same triangle elsewhere.
     pub(crate) fn with_corners(self, corners: Triangle) -> Self {
         let normal = triangle_normal(&corners);
@@ -104,5 +116,68 @@ impl EmitterRecord {
         let MaterialRecord { emission, emits_both_sides, .. } = MaterialRecord::of(material);
         let normal = front.unwrap_or(normal);
         Self { corners, normal, offset, emission, area, emits_both_sides, is_plain: is_plain.into(), ..Self::NONE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec2;
+
+    use super::*;
+    use crate::material::Inputs;
+    use crate::scene::{CameraPose, Scene};
+    use crate::world::World;
+
+    /// Whether each triangle is plain of two that lean by 0.3 and have such vertex normals and this material.
+    fn are_plain(normals: impl Fn(Vec3) -> [Vec3; 4], change: impl FnOnce(&mut Material, &mut Mesh)) -> [bool; 2] {
+        let own = Vec3::new(-0.3, 0.0, 1.0).normalize();
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        let mut mesh = Mesh {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.3 * x)).to_vec(),
+            normals: normals(own).to_vec(),
+            texcoords: corners.map(|(x, y)| Vec2::new(x, y)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        let mut material = Material::matte(Vec3::splat(0.5));
+        change(&mut material, &mut mesh);
+        let camera = CameraPose { eye: Vec3::Z, target: Vec3::ZERO, up: Vec3::Y, vfov: 40.0 };
+        let scene = Scene { meshes: vec![mesh], materials: vec![material], camera: Some(camera), ..Scene::default() };
+        let world = World::new(scene).unwrap();
+        [0, 1].map(|face| world.triangle_records()[face].is_plain != 0)
+    }
+
+    /// As glTF's exporters write a normal.
+    fn rounded(normal: Vec3) -> Vec3 {
+        (normal * 1e4).round() / 1e4
+    }
+
+    #[test]
+    fn flat_faces_are_plain_if_they_have_vertex_normals_too() {
+        assert_eq!(are_plain(|own| [rounded(own); 4], |_, _| {}), [true; 2]);
+        assert_eq!(are_plain(|own| [2.0 * own; 4], |_, _| {}), [true; 2]);
+    }
+
+    #[test]
+    fn faces_that_curve_or_are_turned_over_are_not_plain() {
+        let bent = |own: Vec3| [own, own, own, own + Vec3::X * 5e-4];
+        assert_eq!(are_plain(bent, |_, _| {}), [true, false]);
+        assert_eq!(are_plain(|own| [-own; 4], |_, _| {}), [false; 2]);
+        assert_eq!(are_plain(|own| [own, own, Vec3::ZERO, own], |_, _| {}), [false; 2]);
+    }
+
+    #[test]
+    fn what_varies_over_a_face_is_not_plain() {
+        let colored = |material: &mut Material, mesh: &mut Mesh| {
+            material.uses_vertex_colors = true;
+            mesh.colors = vec![glam::Vec4::splat(0.3); 4];
+        };
+        assert_eq!(are_plain(|own| [own; 4], colored), [false; 2]);
+        let brushed = |material: &mut Material, _: &mut Mesh| {
+            material.inputs = Inputs { specular_anisotropy: 0.5, base_metalness: 1.0, ..Inputs::default() };
+        };
+        assert_eq!(are_plain(|own| [own; 4], brushed), [false; 2]);
+        // A flag that formats set, without colours.
+        assert_eq!(are_plain(|own| [own; 4], |material, _| material.uses_vertex_colors = true), [true; 2]);
     }
 }
