@@ -73,8 +73,12 @@ impl Weighting {
     #[inline]
     pub(crate) fn weight(&self, record: &Record, point: &LookupPoint) -> f32 {
         let LookupPoint { position, normal, clearance } = *point;
-        let step = position - record.position;
         let turn = (1.0 - normal.dot(record.normal)).max(0.0) / self.turn;
+        // Most records that do not count are of another wall. By the split sphere no angle alone is too far.
+        if turn >= ANGLE && self.metric != Metric::SplitSphere {
+            return 0.0;
+        }
+        let step = position - record.position;
         let distance = record.relative_distance(step) / self.stretch;
         let weight = match self.metric {
             Metric::SplitSphere => 1.0 / (distance + turn.sqrt() / self.error).max(CAP) - 1.0,

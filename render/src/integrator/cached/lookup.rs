@@ -74,6 +74,7 @@ impl VertexStep for Lookup<'_> {
         MAX_SURFACES
     }
 
+    #[inline(always)]
     fn step(
         &mut self,
         mut path: Path,
