@@ -20,7 +20,7 @@
 mod cells;
 mod send;
 
-use glam::{Mat2, Vec2, Vec3};
+use glam::{Vec2, Vec3};
 use smallvec::SmallVec;
 
 use self::cells::Cells;
@@ -120,6 +120,7 @@ struct Arrival {
 }
 
 /// A point's place in a footprint.
+#[derive(Clone, Copy)]
 struct Place {
     /// `u` and `v`.
     coordinates: Vec2,
@@ -150,29 +151,37 @@ impl Photon {
 
     /// The place of a point that is within the footprint, or so far beside it.
     fn place(&self, point: Vec3, beside: f32) -> Option<Place> {
+        let (place, is_within) = self.place_anywhere(point, beside);
+        is_within.then_some(place)
+    }
+
+    /// The place of any point, and whether that is within the footprint, or so far beside it. Without branches, for lanes.
+    #[inline(always)]
+    fn place_anywhere(&self, point: Vec3, beside: f32) -> (Place, bool) {
         let t = (point - self.origin).dot(self.direction);
-        if t <= 0.0 {
-            return None;
-        }
         let offset = point - (self.origin + t * self.direction);
-        let [a, b] = [0, 1].map(|axis| self.across(axis, t));
+        let (a, b) = (self.across(0, t), self.across(1, t));
         let lengths = Vec2::new(a.length(), b.length());
-        let (longest, beside) = (lengths.max_element(), beside + self.blur * t);
+        let (longest, beside) = (lengths.x.max(lengths.y), beside + self.blur * t);
         // The least squares, as footprints that fold have no area.
         let least = (1e-2 * longest) * (1e-2 * longest);
         let (dot, squares) = (a.dot(b), lengths * lengths + least);
-        let gram = Mat2::from_cols_array(&[squares.x, dot, dot, squares.y]);
-        let place = gram.inverse() * Vec2::new(a.dot(offset), b.dot(offset));
-        let rest = (offset - a * place.x - b * place.y).length();
+        let inv_determinant = (squares.x * squares.y - dot * dot).recip();
+        let (along_a, along_b) = (a.dot(offset), b.dot(offset));
+        let u = (squares.y * along_a - dot * along_b) * inv_determinant;
+        let v = (squares.x * along_b - dot * along_a) * inv_determinant;
+        let rest = (offset - a * u - b * v).length();
         // Not of NaN either.
-        if !(place.abs().cmple(1.0 + beside / lengths).all() && rest <= FOLD * longest + beside) {
-            return None;
-        }
-        let off = place.abs().max_element().max(rest / (FOLD * longest));
-        Some(Place { coordinates: place, off })
+        let is_within = (t > 0.0)
+            & (u.abs() <= 1.0 + beside / lengths.x)
+            & (v.abs() <= 1.0 + beside / lengths.y)
+            & (rest <= FOLD * longest + beside);
+        let off = u.abs().max(v.abs()).max(rest / (FOLD * longest));
+        (Place { coordinates: Vec2::new(u, v), off }, is_within)
     }
 
     /// The change of the place where the photon is after a way, across it.
+    #[inline(always)]
     fn across(&self, axis: usize, t: f32) -> Vec3 {
         let moved = self.d_origin[axis] + t * self.d_direction[axis];
         moved - self.direction * moved.dot(self.direction)

@@ -172,6 +172,7 @@ impl Hasher for CellHasher {
 #[cfg(test)]
 mod tests {
     use glam::vec3;
+    use halfdome_kernel::Isa;
     use halfdome_kernel::sampling::Stream;
 
     use super::*;
@@ -200,7 +201,7 @@ mod tests {
             };
             Footprint::new(&Arrival { photon, point, extent: vec3(extent, extent, 0.0) }, 1.0)
         };
-        Cells::new(&(0..count).filter_map(footprint).collect::<Vec<_>>()).unwrap()
+        Cells::new(Isa::detect(), &(0..count).filter_map(footprint).collect::<Vec<_>>()).unwrap()
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl World {
             let [refracted, reflected]: [Vec<_>; 2] = by_body.into_iter().unzip().into();
             [refracted, reflected].map(|footprints| {
                 let footprints: Vec<Footprint> = footprints.into_iter().flatten().collect();
-                (index, Cells::new(&footprints))
+                (index, Cells::new(self.isa(), &footprints))
             })
         };
         let arrived: Vec<_> = lights.par_iter().map(follow).collect();

@@ -4,13 +4,14 @@
 //! a cell, it keeps the one in whose footprint its center is nearest the middle. Threads divide the cells among them, so
 //! that these do not depend on threads.
 
-use glam::IVec3;
+use glam::{IVec3, Vec2};
 use halfdome_kernel::geometry::Aabb;
+use halfdome_kernel::{Isa, Task};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::{ByCell, Cells, CoarseGrid, Entry, Level};
-use crate::world::specular::photons::{Arrival, Emission, Photon};
+use crate::world::specular::photons::{Arrival, Emission, Photon, Place};
 
 /// The least width of a cell, as a part of the body's radius.
 const MIN_CELL_IN_RADII: f32 = 0.01;
@@ -60,10 +61,11 @@ impl Footprint {
 
 impl Cells {
     /// The cells of all photons, if there are any. Photons of neighbouring cells are close to each other in memory.
-    pub(in crate::world::specular::photons) fn new(footprints: &[Footprint]) -> Option<Self> {
+    pub(in crate::world::specular::photons) fn new(isa: Isa, footprints: &[Footprint]) -> Option<Self> {
         let bounds = footprints.iter().map(|it| it.around).reduce(|all, around| all.union(&around))?;
         let parts = rayon::current_num_threads() as i64;
-        let sorted: Vec<_> = (0..parts).into_par_iter().map(|part| cells_of_part(footprints, (part, parts))).collect();
+        let sorted: Vec<_> = 
+            (0..parts).into_par_iter().map(|part| isa.run(PartOfCells { footprints, part, parts })).collect();
         let mut cells: Vec<_> = sorted.into_iter().flatten().collect();
         cells.sort_unstable_by_key(|((level, at), _)| (*level, at.z, at.y, at.x));
         let mut levels: Vec<Level> = Vec::new();
@@ -110,29 +112,74 @@ impl Cells {
     }
 }
 
-/// The cells of one of several parts of space, with their photons.
-fn cells_of_part(footprints: &[Footprint], (part, parts): (i64, i64)) -> ByCell<KeptPhotons> {
-    let mut cells = ByCell::<KeptPhotons>::default();
-    for (index, Footprint { photon, level, around }) in footprints.iter().enumerate() {
-        let level = Level::new(*level);
-        let [min, max] = [around.min, around.max].map(|corner| level.cell(corner));
-        for z in min.z..=max.z {
-            for y in min.y..=max.y {
-                // Diagonal planes take turns.
-                let before = i64::from(min.x) + i64::from(y) + i64::from(z);
-                let first = i64::from(min.x) + (part - before).rem_euclid(parts);
-                for x in (first..=i64::from(max.x)).step_by(parts as usize) {
-                    let at = IVec3::new(x as i32, y, z);
-                    let center = level.width * (at.as_vec3() + 0.5);
-                    if let Some(place) = photon.place(center, level.width) {
-                        let own = KeptPhoton { index: index as u32, off: place.off, emission: photon.emission(&place) };
-                        own.add_to(cells.entry((level.exponent, at)).or_default());
+/// The cells of one of several parts of space, with their photons, as a task that is compiled for each instruction set.
+struct PartOfCells<'a> {
+    footprints: &'a [Footprint],
+    part: i64,
+    parts: i64,
+}
+
+impl Task for PartOfCells<'_> {
+    type Output = ByCell<KeptPhotons>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        let Self { footprints, part, parts } = self;
+        let mut cells = ByCell::default();
+        let mut asked = CellBlock::default();
+        for (index, footprint) in (0..).zip(footprints) {
+            let level = Level::new(footprint.level);
+            let [min, max] = [footprint.around.min, footprint.around.max].map(|corner| level.cell(corner));
+            for z in min.z..=max.z {
+                for y in min.y..=max.y {
+                    // Diagonal planes take turns.
+                    let before = i64::from(min.x) + i64::from(y) + i64::from(z);
+                    let mut x = i64::from(min.x) + (part - before).rem_euclid(parts);
+                    while x <= i64::from(max.x) {
+                        if asked.len == LANES {
+                            asked.keep((index, &footprint.photon), level, &mut cells);
+                        }
+                        asked.at[asked.len] = IVec3::new(x as i32, y, z);
+                        asked.len += 1;
+                        x += parts;
                     }
                 }
             }
+            asked.keep((index, &footprint.photon), level, &mut cells);
         }
+        cells
     }
-    cells
+}
+
+/// Cells that are looked at together.
+const LANES: usize = 16;
+
+/// Cells that a photon may be in.
+#[derive(Default)]
+struct CellBlock {
+    at: [IVec3; LANES],
+    len: usize,
+}
+
+impl CellBlock {
+    /// Puts a photon into those of the cells that its footprint meets, and forgets all.
+    #[inline(always)]
+    fn keep(&mut self, (index, photon): (u32, &Photon), level: Level, cells: &mut ByCell<KeptPhotons>) {
+        let (mut u, mut v, mut off) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut is_within = [0_u32; LANES];
+        for i in 0..LANES {
+            let center = level.width * (self.at[i].as_vec3() + 0.5);
+            let (place, within) = photon.place_anywhere(center, level.width);
+            (u[i], v[i], off[i]) = (place.coordinates.x, place.coordinates.y, place.off);
+            is_within[i] = u32::from(within);
+        }
+        for i in (0..self.len).filter(|&i| is_within[i] != 0) {
+            let place = Place { coordinates: Vec2::new(u[i], v[i]), off: off[i] };
+            let own = KeptPhoton { index, off: place.off, emission: photon.emission(&place) };
+            own.add_to(cells.entry((level.exponent, self.at[i])).or_default());
+        }
+        self.len = 0;
+    }
 }
 
 impl KeptPhoton {
