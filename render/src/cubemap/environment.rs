@@ -104,7 +104,7 @@ impl<'a> Environment<'a> {
                 let all = (0..points).flat_map(|j| (0..points).map(move |i| (i, j)));
                 let seen = all.map(|(i, j)| aim(place(i), place(j)));
                 let mut mean = Mean::default();
-                mean.extend(seen.map(|(direction, weight)| (light.radiance(direction), weight)));
+                mean.extend(seen.map(|(direction, weight)| (light.radiance(&light.view(direction)), weight)));
                 Seen { radiance: mean.value(), variance: 0.0, rays: 0 }
             }
             Kind::Point { world, position, paths, mean, seed } => {

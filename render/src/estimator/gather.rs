@@ -168,7 +168,7 @@ impl GatherScratch {
         self.distance.clear();
         for ((ray, hit), radiance) in self.rays.iter().zip(&self.hits).zip(&mut self.radiance) {
             if !hit.is_hit() {
-                *radiance = world.lights.sky.ambient(ray.direction);
+                *radiance = world.lights.sky.ambient(&world.lights.sky.view(ray.direction));
             }
             self.distance.push(if hit.is_hit() { hit.t } else { f32::INFINITY });
         }

@@ -10,7 +10,7 @@ use super::light_sample::LightSample;
 use super::refracted::{FINER, LightWay, Wedges, choose_way};
 #[cfg(doc)]
 use crate::light::SkyLight;
-use crate::light::{Receiver, SampledLight, SkyPart, SkySample};
+use crate::light::{Receiver, SampledLight, SkyPart, SkySample, SkyView};
 use crate::world::{Between, LightEnd, SpecularConnection, Surface, World};
 
 /// The probability with which light samples at `surface` look at this part of the sky, without those through openings.
@@ -18,18 +18,18 @@ pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -
     if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
 }
 
-/// The radiance of the sky in a unit vector, and the density per solid angle with which light samples at `receiver` that look
+/// The radiance of the sky in a unit vector, of which this is the view, and the density per solid angle with which light samples at `receiver` that look
 /// at this part of it with a probability, and those through openings, look there.
 pub(crate) fn seen_sky(
     world: &World,
     receiver: &Receiver,
     (probability, part): (f32, SkyPart),
-    direction: Vec3,
+    (direction, view): (Vec3, &SkyView),
 ) -> (Vec3, f32) {
     let sky = &world.lights.sky;
     let openings = sky.openings().filter(|_| part == SkyPart::Bright);
     let through_openings = openings.map_or(0.0, |openings| openings.density(receiver, direction));
-    let SkySample { radiance, density, .. } = sky.seen(receiver, part, direction);
+    let SkySample { radiance, density, .. } = sky.seen(receiver, part, view);
     (radiance, probability * density + through_openings)
 }
 

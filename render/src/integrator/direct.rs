@@ -54,7 +54,7 @@ impl VertexStep for Direct<'_> {
             *radiance += path.throughput * light
         });
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, how, &path, ray);
+            *radiance += path.throughput * sky(world, how, &path, (ray, &world.lights.sky.view(ray.direction)));
             return None;
         }
         let surface = world.surface_at(hit);

@@ -5,30 +5,35 @@ use halfdome_kernel::Ray;
 
 use super::state::Path;
 use crate::estimator::{SeenLight, emitted_density, seen_lights, seen_sky};
-use crate::light::SkyPart;
+use crate::light::{SkyPart, SkyView};
 use crate::settings::LightSampling;
 use crate::world::{Between, Hit, Surface, World};
 
-/// What a path sees of the sky in its direction, weighted against the light sample that might have looked there; of the first
+/// What a path sees of the sky in its direction, of which this is the view, weighted against the light sample that might have looked there; of the first
 /// rays of a gather, whose points sample the sun, the sky without it.
-pub(super) fn sky(world: &World, (lights, part): (LightSampling, SkyPart), path: &Path, ray: &Ray) -> Vec3 {
-    let (sky, direction) = (&world.lights.sky, ray.direction);
+pub(super) fn sky(
+    world: &World,
+    (lights, part): (LightSampling, SkyPart),
+    path: &Path,
+    (ray, view): (&Ray, &SkyView),
+) -> Vec3 {
     if path.is_first() && path.density == 0.0 {
-        return sky.ambient(direction);
+        return world.lights.sky.ambient(view);
     }
     if path.density == f32::INFINITY {
-        return sky_after_delta(world, path, direction);
+        return sky_after_delta(world, path, view);
     }
-    let (radiance, density) = seen_sky(world, &path.receiver(ray.origin), (path.sky_probability, part), direction);
+    let receiver = path.receiver(ray.origin);
+    let (radiance, density) = seen_sky(world, &receiver, (path.sky_probability, part), (ray.direction, view));
     radiance * lights.bounce_weight(path.density, density)
 }
 
-/// What a path whose last bounce had no density sees of the sky in a direction: without its sun if light samples of the surface
+/// What a path whose last bounce had no density sees of the sky: without its sun if light samples of the surface
 /// before know of mirrors and glass between.
 #[inline(always)]
-pub(super) fn sky_after_delta(world: &World, path: &Path, direction: Vec3) -> Vec3 {
+pub(super) fn sky_after_delta(world: &World, path: &Path, view: &SkyView) -> Vec3 {
     let sky = &world.lights.sky;
-    if path.is_first() || path.sees_lights() { sky.radiance(direction) } else { sky.beside_sun(direction) }
+    if path.is_first() || path.sees_lights() { sky.radiance(view) } else { sky.beside_sun(view) }
 }
 
 /// Calls `see` with the lights of a size on the way of a path to what it has hit, which is a distance away at a time, and the

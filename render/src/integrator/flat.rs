@@ -12,7 +12,7 @@ pub(super) fn colors(world: &World, batch: &RayBatch, radiance: &mut [Vec3]) -> 
         world,
         batch,
         radiance,
-        |direction| world.lights.sky.radiance(direction),
+        |direction| world.lights.sky.radiance(&world.lights.sky.view(direction)),
         |surface, direction| {
             let emitted = surface.emitted(direction);
             world.scattering(&mut surface.facing(direction)).albedo() + emitted

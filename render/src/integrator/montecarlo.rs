@@ -173,7 +173,7 @@ impl Gather<'_> {
         let until = (hit.t, time_of(self.times, path.index as usize));
         lights_on_the_way(world, how, path, ray, until, |_, light| *radiance += path.throughput * light);
         if !hit.is_hit() {
-            *radiance += path.throughput * sky(world, how, path, ray);
+            *radiance += path.throughput * sky(world, how, path, (ray, &world.lights.sky.view(ray.direction)));
             return;
         }
         let surface = world.surface_at(hit);

@@ -36,7 +36,7 @@ pub(crate) use self::lamp_images::{HiddenLights, LampImage, LampImages, MirrorPl
 pub(crate) use self::receiver::Receiver;
 pub(crate) use self::secondary_lights::{ChosenPart, LitPart, PartAt, Reach, SecondaryLights};
 pub(crate) use self::sized::SizedLights;
-pub(crate) use self::sky::{Openings, SkyLight, SkyPart, SkySample};
+pub(crate) use self::sky::{Openings, SkyLight, SkyPart, SkySample, SkyView};
 pub(crate) use self::slices::{most_slices, slices};
 use self::tree::Tree;
 use self::tree::leaf::{PointLight, Points, Triangles};

@@ -22,7 +22,7 @@ use halfdome_kernel::sampling::warp::{CosineHemisphere, Warp};
 pub(crate) use self::openings::Openings;
 use self::peaks::Peaks;
 use self::sun::PictureSun;
-use self::texels::SkyTexels;
+use self::texels::{Around, SkyTexels, TexelPlaces};
 use super::distant::Patches;
 use super::{Receiver, luminance_weight};
 use crate::scene::{PunctualLight, Sky, SkyPicture};
@@ -58,6 +58,14 @@ pub(crate) struct SkyLight {
     openings: Option<Openings>,
     /// The sun of a picture that has one.
     sun: Option<PictureSun>,
+}
+
+/// A direction, with what a picture has there.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct SkyView {
+    /// Unit vector.
+    direction: Vec3,
+    around: Around,
 }
 
 /// Where to look for the sky.
@@ -135,19 +143,43 @@ impl SkyLight {
         self.openings.as_ref()
     }
 
-    /// Radiance from this unit vector.
-    pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
-        match &self.picture {
-            Some(picture) => picture.around(direction).mean(|texel| texel),
-            None => self.constant,
-        }
+    /// The view in the direction of a unit vector.
+    #[inline]
+    pub(crate) fn view(&self, direction: Vec3) -> SkyView {
+        let around = self.picture.as_ref().map(|picture| picture.around(direction)).unwrap_or_default();
+        SkyView { direction, around }
     }
 
-    /// Radiance from this unit vector without the sun.
-    pub(crate) fn ambient(&self, direction: Vec3) -> Vec3 {
-        match (self.part(SkyPart::Sun), &self.picture) {
-            (Some((sun, _)), Some(picture)) => picture.around(direction).mean(|texel| sun.split(texel).0),
-            _ => self.radiance(direction),
+    /// The views in many directions. Texels of a large picture are far away in memory, and so all are asked for before any is
+    /// needed.
+    #[inline(always)]
+    pub(crate) fn views<const N: usize>(&self, directions: &[Vec3; N]) -> [SkyView; N] {
+        let mut views = [SkyView::default(); N];
+        let mut places = [TexelPlaces::default(); N];
+        if let Some(picture) = &self.picture {
+            for (places, direction) in places.iter_mut().zip(directions) {
+                *places = picture.places(*direction);
+            }
+            for (view, places) in views.iter_mut().zip(&places) {
+                view.around = picture.fetch(places);
+            }
+        }
+        for (view, direction) in views.iter_mut().zip(directions) {
+            view.direction = *direction;
+        }
+        views
+    }
+
+    /// Radiance of a view.
+    pub(crate) fn radiance(&self, view: &SkyView) -> Vec3 {
+        if self.picture.is_some() { view.around.mean(|texel| texel) } else { self.constant }
+    }
+
+    /// Radiance of a view without the sun.
+    pub(crate) fn ambient(&self, view: &SkyView) -> Vec3 {
+        match self.part(SkyPart::Sun) {
+            Some((sun, _)) => view.around.mean(|texel| sun.split(texel).0),
+            None => self.radiance(view),
         }
     }
 
@@ -161,11 +193,11 @@ impl SkyLight {
         self.sun = None;
     }
 
-    /// Radiance from this unit vector without the sun that [`sun`](Self::sun) stands for.
-    pub(crate) fn beside_sun(&self, direction: Vec3) -> Vec3 {
+    /// Radiance of a view without the sun that [`sun`](Self::sun) stands for.
+    pub(crate) fn beside_sun(&self, view: &SkyView) -> Vec3 {
         match &self.sun {
-            Some(sun) if sun.contains(direction) => self.ambient(direction),
-            _ => self.radiance(direction),
+            Some(sun) if sun.contains(view.direction) => self.ambient(view),
+            _ => self.radiance(view),
         }
     }
 
@@ -212,39 +244,42 @@ impl SkyLight {
             (Some((peaks, _)), Some(picture)) => peaks.sample(picture, u),
             _ => cosine(receiver, u),
         };
+        let view = self.view(direction);
         match part {
-            SkyPart::Sun => self.look(receiver, part, direction, |sun, texel| sun.split(texel).1),
-            _ => self.seen(receiver, part, direction),
+            SkyPart::Sun => self.look(receiver, part, &view, |sun, texel| sun.split(texel).1),
+            _ => self.seen(receiver, part, &view),
         }
     }
 
-    /// What [`sample`](Self::sample) finds if it gives this unit vector; the whole sky counts.
-    pub(crate) fn seen(&self, receiver: &Receiver, part: SkyPart, direction: Vec3) -> SkySample {
-        self.look(receiver, part, direction, |_, texel| texel)
+    /// What [`sample`](Self::sample) finds if it gives the direction of a view; the whole sky counts.
+    #[inline]
+    pub(crate) fn seen(&self, receiver: &Receiver, part: SkyPart, view: &SkyView) -> SkySample {
+        self.look(receiver, part, view, |_, texel| texel)
     }
 
-    /// The density of a unit vector, and its radiance, of which so much counts of each texel of a picture.
+    /// The density of a view, and its radiance, of which so much counts of each texel of a picture.
     #[inline(always)]
     fn look(
         &self,
         receiver: &Receiver,
         part: SkyPart,
-        direction: Vec3,
+        view: &SkyView,
         counted: impl Fn(&Peaks, Vec3) -> Vec3,
     ) -> SkySample {
-        if let (Some((peaks, _)), Some(picture)) = (self.part(part), &self.picture) {
-            let around = picture.around(direction);
+        let SkyView { direction, around } = view;
+        let direction = *direction;
+        if let Some((peaks, _)) = self.part(part) {
             let radiance = around.mean(|texel| counted(peaks, texel));
             let of_sun = match (&self.sun, self.part(SkyPart::Sun)) {
                 (Some(sun), Some((peaks, _))) if sun.contains(direction) => around.mean(|texel| peaks.split(texel).1),
                 _ => Vec3::ZERO,
             };
-            return SkySample { direction, radiance, density: peaks.density(&around), of_sun };
+            return SkySample { direction, radiance, density: peaks.density(around), of_sun };
         }
         let cosine = receiver.normal.dot(direction);
         let all = if receiver.behind > 0.0 { 0.5 * cosine.abs() } else { cosine.max(0.0) };
         let density = if self.has(part) { all * FRAC_1_PI } else { 0.0 };
-        SkySample { direction, radiance: self.radiance(direction), density, of_sun: Vec3::ZERO }
+        SkySample { direction, radiance: self.radiance(view), density, of_sun: Vec3::ZERO }
     }
 }
 

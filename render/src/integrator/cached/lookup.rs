@@ -93,15 +93,14 @@ impl VertexStep for Lookup<'_> {
             *radiance += path.throughput * light
         });
         if !hit.is_hit() {
+            let (sky, view) = (&world.lights.sky, world.lights.sky.view(ray.direction));
             // Of the sky a gather sees what light samples do not.
             if is_scattered {
-                *radiance += self.misses.indirect[index as usize]
-                    * vertex.transmittance
-                    * world.lights.sky.ambient(ray.direction);
+                *radiance += self.misses.indirect[index as usize] * vertex.transmittance * sky.ambient(&view);
             } else if path.density == 0.0 {
-                *radiance += path.throughput * world.lights.sky.ambient(ray.direction);
+                *radiance += path.throughput * sky.ambient(&view);
             } else {
-                *radiance += path.throughput * sky_after_delta(world, &path, ray.direction);
+                *radiance += path.throughput * sky_after_delta(world, &path, &view);
             }
             return None;
         }

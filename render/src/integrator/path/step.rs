@@ -67,14 +67,24 @@ impl Advance<'_, '_> {
         if self.world.lights.sky.mean() == Vec3::ZERO {
             return;
         }
-        for number in first..self.wave.order.len() {
-            let source = self.wave.order[number];
-            let (path, ray) = (&self.wave.paths[source as usize], &self.wave.rays[source as usize]);
-            let light = path.throughput * sky(self.world, (self.options.lights, SKY), path, ray);
-            let light = self.clamped(light);
-            self.radiance[path.index as usize] += light;
-            self.record_sky(source as usize, light);
-            self.learn_found(source as usize, light);
+        let mut next = first;
+        while next < self.wave.order.len() {
+            let (first, len) = (next, LANES.min(self.wave.order.len() - next));
+            next += len;
+            let mut directions = [Vec3::Y; LANES];
+            for (direction, &source) in directions.iter_mut().zip(&self.wave.order[first..next]) {
+                *direction = self.wave.rays[source as usize].direction;
+            }
+            let views = self.world.lights.sky.views(&directions);
+            for (number, view) in (first..next).zip(&views) {
+                let source = self.wave.order[number] as usize;
+                let (path, ray) = (&self.wave.paths[source], &self.wave.rays[source]);
+                let light = path.throughput * sky(self.world, (self.options.lights, SKY), path, (ray, view));
+                let light = self.clamped(light);
+                self.radiance[path.index as usize] += light;
+                self.record_sky(source, light);
+                self.learn_found(source, light);
+            }
         }
     }
 

@@ -10,7 +10,7 @@ use super::{BlockClosures, PathBlock, Scattered};
 use crate::estimator::{area_light_sample, light_warp};
 use crate::integrator::state::u_light_choice;
 use crate::light::few::{self, FEW};
-use crate::light::{LightChoice, Receiver, SampledLight, SkyPart, TriangleLight};
+use crate::light::{LightChoice, Receiver, SampledLight, SkyPart, SkyView, TriangleLight};
 use crate::scene::Material;
 use crate::settings::LightSampling;
 use crate::world::{InputChange, MIDDLE, Surface, TerminatorOffset, World, interpolate};
@@ -199,11 +199,11 @@ impl PathBlock {
         is_other.then(|| SampledLight { index: lights[i], probability: probability[i], rest: uv[0][i] })
     }
 
-    /// The radiance of the sky in a direction, and the density with which samples of the chosen light of path `i` look there if
+    /// The radiance of the sky in a view, and the density with which samples of the chosen light of path `i` look there if
     /// they look for this part of the sky, without those through openings.
     #[inline(always)]
-    pub(super) fn sky_anywhere(&self, world: &World, part: SkyPart, i: usize, direction: Vec3) -> (Vec3, f32) {
-        let seen = world.lights.sky.seen(&self.receiver(i), part, direction);
+    pub(super) fn sky_anywhere(&self, world: &World, part: SkyPart, i: usize, view: &SkyView) -> (Vec3, f32) {
+        let seen = world.lights.sky.seen(&self.receiver(i), part, view);
         (seen.radiance, self.light_samples.sky_probability[i] * seen.density)
     }
 

@@ -3,7 +3,7 @@
 //! Loops over the paths are inside of those over openings, and become lanes.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use halfdome_kernel::Task;
 use halfdome_kernel::sampling::ONE_MINUS_EPSILON;
 
@@ -105,12 +105,19 @@ impl Task for OpeningSamples<'_> {
             shadows.towards.set(i, openings.cone(opening, block.position.get(i)).direction(u));
         }
         let densities = seen.densities(block, openings, &shadows.towards);
+        let mut directions = [Vec3::Y; LANES];
+        for (i, direction) in directions.iter_mut().enumerate().take(block.len) {
+            if seen.total[i] > 0.0 {
+                *direction = shadows.towards.get(i);
+            }
+        }
+        let views = sky.views(&directions);
         for i in (0..block.len).filter(|&i| (block.goes_on[i] != 0) & (seen.total[i] > 0.0)) {
             let (surface, direction) = (block.surface(i, matte), shadows.towards.get(i));
             if !surface.transmits && surface.normal.dot(direction) <= 0.0 {
                 continue;
             }
-            let (radiance, anywhere) = block.sky_anywhere(world, part, i, direction);
+            let (radiance, anywhere) = block.sky_anywhere(world, part, i, &views[i]);
             let inv_density = (densities[i] + anywhere).recip();
             shadows.rays.origin.set(i, surface.origin_towards(direction));
             shadows.rays.direction.set(i, direction);

@@ -121,22 +121,21 @@ impl Peaks {
         };
         let count = (PATCHES[0] * PATCHES[1]) as usize;
         let mut fluxes = vec![(0.0, DVec3::ZERO); count];
-        let direction = |row: u32, column: u32, across: f32, down: f32| {
-            texels.direction_to(Vec2::new(column as f32 + across, row as f32 + down))
-        };
+        let middles = texels.middles();
         self.each(picture, |row, column, texel| {
             let flux = f64::from(self.excess(texel)) * picture.solid_angle(row);
             let (sum, vector) = &mut fluxes[patch_of(row, column)];
             *sum += flux;
-            *vector += flux * direction(row, column, 0.5, 0.5).as_dvec3();
+            *vector += flux * middles.of(column, row).as_dvec3();
         });
         let means: Vec<Vec3> = fluxes.iter().map(|(sum, vector)| (*vector / sum).as_vec3()).collect();
-        let mut radii = vec![0.0_f32; count];
+        let (mut radii, reach) = (vec![0.0_f32; count], 1.001 * texels.texel_angle());
         self.each(picture, |row, column, _| {
             let patch = patch_of(row, column);
-            // Its tent ends in the middles of its neighbours.
-            for (across, down) in [-0.5, 0.5, 1.5].into_iter().flat_map(|x| [-0.5, 0.5, 1.5].map(|y| (x, y))) {
-                radii[patch] = radii[patch].max(direction(row, column, across, down).distance(means[patch]));
+            let (mean, radius) = (means[patch], &mut radii[patch]);
+            // Its tent ends in the middles of its neighbours: of most texels none of them is farther than what is known.
+            if middles.of(column, row).distance(mean) + reach > *radius {
+                *radius = middles.around(column, row).map(|place| place.distance(mean)).fold(*radius, f32::max);
             }
         });
         let mut patches = Patches::default();

@@ -1,7 +1,8 @@
 use std::f64::consts::PI as PI64;
 
-use glam::DVec3;
+use glam::{DVec3, IVec2};
 use halfdome_kernel::sampling::Stream;
+use halfdome_kernel::sampling::warp::UniformSphere;
 
 use super::*;
 use crate::light::luminance_weight;
@@ -137,7 +138,7 @@ fn directions_are_as_dense_as_the_density_says() {
         for (number, found) in counts.into_iter().enumerate() {
             let (column, row) = (number % 12, number / 12);
             assert_eq!(texel(&picture, middle(&picture, column, row)), (column, row));
-            let density = |direction| f64::from(sky.seen(&receiver(Vec3::Y), part, direction).density);
+            let density = |direction| f64::from(sky.seen(&receiver(Vec3::Y), part, &sky.view(direction)).density);
             let share: f64 = within(&picture, column, row).map(|(direction, angle)| density(direction) * angle).sum();
             total += share;
             dark += usize::from(share == 0.0);
@@ -168,7 +169,7 @@ fn weights_are_irradiances_and_vanish_only_below_the_horizon() {
                 let (column, row) = (number % 24, number / 24);
                 // Texels are large: their means, by many places in each.
                 for (direction, angle) in within(&picture, column, row) {
-                    let flux = angle * f64::from(sky.seen(&receiver, part, direction).density);
+                    let flux = angle * f64::from(sky.seen(&receiver, part, &sky.view(direction)).density);
                     expected += flux * f64::from(receiver.normal.dot(direction).max(0.0));
                     power += flux;
                 }
@@ -197,7 +198,7 @@ fn a_turned_picture_is_seen_elsewhere() {
 #[test]
 fn black_pictures_are_no_lights() {
     let sky = sky(SkyPicture { texels: vec![Vec3::ZERO; 72], ..picture() });
-    assert_eq!((sky.radiance(Vec3::Y), sky.mean()), (Vec3::ZERO, Vec3::ZERO));
+    assert_eq!((sky.radiance(&sky.view(Vec3::Y)), sky.mean()), (Vec3::ZERO, Vec3::ZERO));
     for part in [SkyPart::All, SkyPart::Bright, SkyPart::Sun] {
         assert!(!sky.has(part) && sky.weight(&receiver(Vec3::Y), part) == 0.0);
     }
@@ -217,7 +218,7 @@ fn a_sky_is_its_sun_and_the_rest() {
     let (mut sum, mut weight) = (DVec3::ZERO, 0.0);
     for row in 0..16 {
         for column in 0..32 {
-            let dim = sky.ambient(middle(&whole, column, row));
+            let dim = sky.ambient(&sky.view(middle(&whole, column, row)));
             let is_sun = column == 20 || column == 5;
             assert!(dim.max_element() < 40.0 && ((dim - 1.0).abs().max_element() < 1e-3 || is_sun), "{dim}");
             sum += dim.as_dvec3() * whole.solid_angle(row as u32);
@@ -233,7 +234,7 @@ fn a_sky_is_its_sun_and_the_rest() {
 fn samples_of_the_sun_have_its_mean_and_lead_to_suns() {
     let sky = sky(suns([Vec3::splat(2000.0), Vec3::splat(1000.0)]));
     for sample in samples(&sky, SkyPart::Sun, 1000) {
-        assert!(sample.direction.is_normalized() && sky.radiance(sample.direction).x > 1.0);
+        assert!(sample.direction.is_normalized() && sky.radiance(&sky.view(sample.direction)).x > 1.0);
         let (estimate, expected) = (sample.radiance / sample.density, 4.0 * PI * mean_sun(&sky));
         assert!((estimate / expected - 1.0).abs().max_element() < 1e-4, "{estimate}, not {expected}");
     }
@@ -247,7 +248,7 @@ fn an_overcast_sky_has_no_sun() {
     assert!(even.has(SkyPart::All) && !even.has(SkyPart::Sun));
     let constant = SkyLight::new(Sky::constant(Vec3::ONE));
     assert!(constant.has(SkyPart::All) && !constant.has(SkyPart::Bright) && !constant.has(SkyPart::Sun));
-    assert_eq!(constant.ambient(Vec3::Y), Vec3::ONE);
+    assert_eq!(constant.ambient(&constant.view(Vec3::Y)), Vec3::ONE);
 }
 
 #[test]
@@ -307,15 +308,15 @@ fn the_sun_and_what_is_beside_it_are_the_sky() {
     let (axis, across) = (to_sun.any_orthonormal_vector(), 0.001);
     for i in 0..100 {
         let direction = (to_sun + axis * (across * i as f32)).normalize();
-        let seen = sky.seen(&receiver(Vec3::Y), SkyPart::Bright, direction);
-        assert_eq!(seen.radiance, sky.radiance(direction));
-        let (sum, whole) = (sky.beside_sun(direction) + seen.of_sun, seen.radiance);
+        let seen = sky.seen(&receiver(Vec3::Y), SkyPart::Bright, &sky.view(direction));
+        assert_eq!(seen.radiance, sky.radiance(&sky.view(direction)));
+        let (sum, whole) = (sky.beside_sun(&sky.view(direction)) + seen.of_sun, seen.radiance);
         assert!((sum / whole - 1.0).abs().max_element() < 1e-5, "{i}: {sum}, not {whole}");
         assert!(i > 10 || seen.of_sun.x > 8000.0, "{i}: {}", seen.of_sun);
         assert!(i < 60 || seen.of_sun == Vec3::ZERO, "{i}: {}", seen.of_sun);
     }
     // As bright as a sun, but not in the same place.
-    assert_eq!(sky.beside_sun(-to_sun), sky.radiance(-to_sun));
+    assert_eq!(sky.beside_sun(&sky.view(-to_sun)), sky.radiance(&sky.view(-to_sun)));
 }
 
 #[test]
@@ -329,6 +330,37 @@ fn what_is_wide_or_in_several_places_is_no_sun() {
     ] {
         let sky = sky(picture);
         assert!(sky.sun().is_none() && sky.point_of_sun(Vec2::splat(0.5)).is_none());
-        assert_eq!(sky.beside_sun(b), sky.radiance(b));
+        assert_eq!(sky.beside_sun(&sky.view(b)), sky.radiance(&sky.view(b)));
+    }
+}
+
+#[test]
+fn views_of_many_directions_are_those_of_each() {
+    for sky in [sky(picture()), sky(discs(&[(SUNLIGHT, Vec3::Z, 0.02)])), SkyLight::new(Sky::constant(Vec3::ONE))] {
+        let directions: [Vec3; 7] = std::array::from_fn(|i| UniformSphere.map(Stream::new(9, i as u32, 0).uniform2(0)));
+        let views = sky.views(&directions);
+        for (view, direction) in views.iter().zip(directions) {
+            let of_one = sky.view(direction);
+            assert_eq!((view.direction, sky.radiance(view)), (direction, sky.radiance(&of_one)));
+            let densities = [view, &of_one].map(|view| sky.seen(&receiver(Vec3::Y), SkyPart::All, view).density);
+            assert_eq!(densities[0], densities[1], "{direction}");
+        }
+        assert!(sky.radiance(&views[0]) != Vec3::ZERO || sky.radiance(&views[1]) != Vec3::ZERO);
+    }
+}
+
+#[test]
+fn middles_of_texels_are_directions_to_their_places() {
+    let texels = SkyTexels::new(SkyPicture { rotation: 0.7, ..picture() });
+    let (middles, [width, height]) = (texels.middles(), [texels.picture().width, texels.picture().height]);
+    for (column, row) in (0..height).flat_map(|row| (0..width).map(move |column| (column, row))) {
+        let at = |x: i32, y: i32| {
+            let place = IVec2::new(column as i32 + x, row as i32 + y).as_vec2() + 0.5;
+            texels.direction_to(place)
+        };
+        assert_eq!(middles.of(column, row), at(0, 0));
+        let around: Vec<Vec3> = middles.around(column, row).collect();
+        let expected: Vec<Vec3> = (-1..=1).flat_map(|x| (-1..=1).map(move |y| (x, y))).map(|(x, y)| at(x, y)).collect();
+        assert_eq!(around, expected, "{column} {row}");
     }
 }

@@ -23,9 +23,17 @@ pub(super) struct SkyTexels {
     turned: f32,
 }
 
-/// The texels around a place, and their weights, whose sum is 1.
-pub(super) struct Around<'a> {
-    texels: [&'a Vec3; 4],
+/// Where the texels around a place are in the picture, and their weights, whose sum is 1.
+#[derive(Clone, Copy, Default)]
+pub(super) struct TexelPlaces {
+    indices: [usize; 4],
+    weights: [f32; 4],
+}
+
+/// The texels around a place, and their weights.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Around {
+    texels: [Vec3; 4],
     weights: [f32; 4],
 }
 
@@ -48,7 +56,23 @@ impl SkyTexels {
 
     /// The texels around the direction of a unit vector.
     #[inline]
-    pub(super) fn around(&self, direction: Vec3) -> Around<'_> {
+    pub(super) fn around(&self, direction: Vec3) -> Around {
+        self.fetch(&self.places(direction))
+    }
+
+    /// The texels at these places.
+    #[inline]
+    pub(super) fn fetch(&self, places: &TexelPlaces) -> Around {
+        let mut texels = [Vec3::ZERO; 4];
+        for (texel, &index) in texels.iter_mut().zip(&places.indices) {
+            *texel = self.picture.texels[index];
+        }
+        Around { texels, weights: places.weights }
+    }
+
+    /// Where the texels around the direction of a unit vector are.
+    #[inline]
+    pub(super) fn places(&self, direction: Vec3) -> TexelPlaces {
         let (width, height) = (self.picture.width as usize, self.picture.height as usize);
         // Not the floor, which is a call.
         let place = self.place(direction) + 0.5;
@@ -58,9 +82,9 @@ impl SkyTexels {
         let left = if next_column == 0 { width - 1 } else { next_column - 1 };
         let right = if next_column >= width { 0 } else { next_column };
         let [above, below] = [next_row.saturating_sub(1), next_row.min(height - 1)];
-        let texel = |row: usize, column: usize| &self.picture.texels[row * width + column];
-        Around {
-            texels: [texel(above, left), texel(above, right), texel(below, left), texel(below, right)],
+        let index = |row: usize, column: usize| row * width + column;
+        TexelPlaces {
+            indices: [index(above, left), index(above, right), index(below, left), index(below, right)],
             weights: [
                 (1.0 - part.x) * (1.0 - part.y),
                 part.x * (1.0 - part.y),
@@ -91,18 +115,35 @@ impl SkyTexels {
 
     /// The direction to a place; columns go around.
     pub(super) fn direction_to(&self, place: Vec2) -> Vec3 {
-        let width = self.picture.width as f32;
-        let row = (place.y as usize).min(self.tents.len() - 1);
-        let [above, below] = [self.borders[row], self.borders[row + 1]];
-        let half = above.lerp(below, (place.y - row as f32).clamp(0.0, 1.0));
-        let sine = 2.0 * (half.x * half.y).sqrt();
-        let phi = TAU * (place.x / width - 0.5) - self.picture.rotation;
-        Vec3::new(sine * phi.sin(), half.y - half.x, -sine * phi.cos())
+        direction(self.azimuth(place.x), self.polar(place.y))
+    }
+
+    /// Sine and cosine of the azimuth of a column.
+    fn azimuth(&self, column: f32) -> Vec2 {
+        let phi = TAU * (column / self.picture.width as f32 - 0.5) - self.picture.rotation;
+        Vec2::new(phi.sin(), phi.cos())
+    }
+
+    /// Sine and cosine of the angle of a row from the zenith.
+    fn polar(&self, row: f32) -> Vec2 {
+        let whole = (row as usize).min(self.tents.len() - 1);
+        let [above, below] = [self.borders[whole], self.borders[whole + 1]];
+        let half = above.lerp(below, (row - whole as f32).clamp(0.0, 1.0));
+        Vec2::new(2.0 * (half.x * half.y).sqrt(), half.y - half.x)
     }
 
     /// The direction to the middle of a texel.
     pub(super) fn middle(&self, column: u32, row: u32) -> Vec3 {
         self.direction_to(Vec2::new(column as f32 + 0.5, row as f32 + 0.5))
+    }
+
+    /// The directions to the middles of all texels.
+    pub(super) fn middles(&self) -> Middles {
+        let middle = |number: i64| number as f32 + 0.5;
+        Middles {
+            azimuths: (-1..=i64::from(self.picture.width)).map(|column| self.azimuth(middle(column))).collect(),
+            polars: (-1..=i64::from(self.picture.height)).map(|row| self.polar(middle(row))).collect(),
+        }
     }
 
     /// The diagonal of a texel at the horizon, in radians: nothing in a texel's tent is farther from its middle.
@@ -136,17 +177,42 @@ impl SkyTexels {
     }
 }
 
-impl Around<'_> {
+/// The directions to the middles of texels, and of those beside the first and last: what it takes of columns and of rows.
+pub(super) struct Middles {
+    azimuths: Vec<Vec2>,
+    polars: Vec<Vec2>,
+}
+
+impl Middles {
+    /// The direction to the middle of a texel.
+    pub(super) fn of(&self, column: u32, row: u32) -> Vec3 {
+        direction(self.azimuths[column as usize + 1], self.polars[row as usize + 1])
+    }
+
+    /// Those of a texel and the eight around it; what is beyond a pole is at the pole.
+    pub(super) fn around(&self, column: u32, row: u32) -> impl Iterator<Item = Vec3> {
+        let polars = &self.polars[row as usize..][..3];
+        let azimuths = &self.azimuths[column as usize..][..3];
+        azimuths.iter().flat_map(move |&azimuth| polars.iter().map(move |&polar| direction(azimuth, polar)))
+    }
+}
+
+/// The unit vector by sines and cosines of both angles.
+fn direction(azimuth: Vec2, polar: Vec2) -> Vec3 {
+    Vec3::new(polar.x * azimuth.x, polar.y, -polar.x * azimuth.y)
+}
+
+impl Around {
     /// The mean of what texels have.
     #[inline]
     pub(super) fn mean(&self, value: impl Fn(Vec3) -> Vec3) -> Vec3 {
-        self.texels.iter().zip(self.weights).map(|(texel, weight)| value(**texel) * weight).sum()
+        self.texels.iter().zip(self.weights).map(|(texel, weight)| value(*texel) * weight).sum()
     }
 
     /// The same of a number.
     #[inline]
     pub(super) fn mean_number(&self, value: impl Fn(Vec3) -> f32) -> f32 {
-        self.texels.iter().zip(self.weights).map(|(texel, weight)| value(**texel) * weight).sum()
+        self.texels.iter().zip(self.weights).map(|(texel, weight)| value(*texel) * weight).sum()
     }
 }
 

@@ -11,7 +11,7 @@ use halfdome_kernel::Ray;
 use halfdome_kernel::sampling::warp::{CosineHemisphere, Triangle as TriangleWarp, Warp};
 use halfdome_kernel::sampling::{Pattern, Sampler};
 
-use crate::light::{Light, Receiver, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
+use crate::light::{Light, Receiver, SkyLight, SkyPart, TriangleLight, TrianglePart, area, luminance_weight};
 use crate::scene::{Material, PunctualLight};
 use crate::world::{MIDDLE, Surface, World};
 
@@ -113,7 +113,8 @@ impl World {
         let direction = side.frame().to_world(CosineHemisphere.map(sampler.uniform2(2)));
         let ray = Ray::new(side.origin_towards(direction), direction);
         let is_free = side.normal.dot(direction) > 0.0 && !self.occluded(&self.beyond_glass(ray));
-        let sky = if is_free { PI * luminance_weight(self.lights.sky.ambient(direction)) } else { 0.0 };
+        let ambient = |sky: &SkyLight| PI * luminance_weight(sky.ambient(&sky.view(direction)));
+        let sky = if is_free { ambient(&self.lights.sky) } else { 0.0 };
         [lights, sky]
     }
 

@@ -64,7 +64,7 @@ impl Cells {
     pub(in crate::world::specular::photons) fn new(isa: Isa, footprints: &[Footprint]) -> Option<Self> {
         let bounds = footprints.iter().map(|it| it.around).reduce(|all, around| all.union(&around))?;
         let parts = rayon::current_num_threads() as i64;
-        let sorted: Vec<_> = 
+        let sorted: Vec<_> =
             (0..parts).into_par_iter().map(|part| isa.run(PartOfCells { footprints, part, parts })).collect();
         let mut cells: Vec<_> = sorted.into_iter().flatten().collect();
         cells.sort_unstable_by_key(|((level, at), _)| (*level, at.z, at.y, at.x));
