@@ -113,6 +113,11 @@ impl Peaks {
 
     /// The same in patches.
     pub(super) fn patches(&self, texels: &SkyTexels) -> Patches {
+        self.patches_by(texels, 1.001 * texels.texel_angle())
+    }
+
+    /// The same if no tent is wider than `reach`.
+    pub(super) fn patches_by(&self, texels: &SkyTexels, reach: f32) -> Patches {
         let picture = texels.picture();
         let patch_of = |row: u32, column: u32| {
             let place = |i: u32, size: u32, count: u32| u64::from(i) * u64::from(count) / u64::from(size);
@@ -129,7 +134,7 @@ impl Peaks {
             *vector += flux * middles.of(column, row).as_dvec3();
         });
         let means: Vec<Vec3> = fluxes.iter().map(|(sum, vector)| (*vector / sum).as_vec3()).collect();
-        let (mut radii, reach) = (vec![0.0_f32; count], 1.001 * texels.texel_angle());
+        let mut radii = vec![0.0_f32; count];
         self.each(picture, |row, column, _| {
             let patch = patch_of(row, column);
             let (mean, radius) = (means[patch], &mut radii[patch]);

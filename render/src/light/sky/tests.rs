@@ -364,3 +364,22 @@ fn middles_of_texels_are_directions_to_their_places() {
         assert_eq!(around, expected, "{column} {row}");
     }
 }
+
+/// Most texels are left out when the radius of a patch is found, as none of theirs can be farther.
+#[test]
+fn patches_reach_as_far_as_if_all_texels_were_looked_at() {
+    let to_sun = Vec3::new(0.3, 0.8, -0.4).normalize();
+    let noise = |i: u32| Vec3::splat(Stream::new(11, i, 0).uniform2(0).x.powi(8));
+    let noisy = SkyPicture::new(90, 45, (0..90 * 45).map(noise).collect());
+    let mut too_near = 0;
+    for picture in [picture(), discs(&[(SUNLIGHT, to_sun, 0.02), (SUNLIGHT, Vec3::Y, 0.3)]), noisy] {
+        let sky = sky(picture);
+        let texels = sky.picture.as_ref().unwrap();
+        for (peaks, patches) in sky.parts.iter().flatten() {
+            let all = peaks.patches_by(texels, f32::INFINITY);
+            assert_eq!(format!("{patches:?}"), format!("{all:?}"));
+            too_near += usize::from(format!("{:?}", peaks.patches_by(texels, 0.0)) != format!("{all:?}"));
+        }
+    }
+    assert!(too_near > 0, "tents do not matter");
+}
