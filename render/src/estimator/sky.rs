@@ -18,8 +18,8 @@ pub(crate) fn sky_probability(world: &World, surface: &Surface, part: SkyPart) -
     if world.lights.sky.has(part) { world.lights.weigh(&surface.receiver(), part).sky_probability() } else { 0.0 }
 }
 
-/// The radiance of the sky in a unit vector, of which this is the view, and the density per solid angle with which light samples at `receiver` that look
-/// at this part of it with a probability, and those through openings, look there.
+/// The radiance of the sky in a unit vector with its view, and the density per solid angle with which light samples at
+/// `receiver` that look at this part of it with a probability, and those through openings, look there.
 pub(crate) fn seen_sky(
     world: &World,
     receiver: &Receiver,

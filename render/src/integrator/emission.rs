@@ -9,8 +9,8 @@ use crate::light::{SkyPart, SkyView};
 use crate::settings::LightSampling;
 use crate::world::{Between, Hit, Surface, World};
 
-/// What a path sees of the sky in its direction, of which this is the view, weighted against the light sample that might have looked there; of the first
-/// rays of a gather, whose points sample the sun, the sky without it.
+/// What a path sees of the sky in this view, that of its ray's direction, weighted against the light sample that might have
+/// looked there; of the first rays of a gather, whose points sample the sun, the sky without it.
 pub(super) fn sky(
     world: &World,
     (lights, part): (LightSampling, SkyPart),
