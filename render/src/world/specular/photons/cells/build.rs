@@ -145,7 +145,10 @@ impl Task for PartOfCells<'_> {
                     }
                 }
             }
-            asked.keep((index, &footprint.photon), level, &mut cells);
+            // With many threads most parts have none of a footprint's cells.
+            if asked.len > 0 {
+                asked.keep((index, &footprint.photon), level, &mut cells);
+            }
         }
         cells
     }
