@@ -30,7 +30,7 @@ for target in "${targets[@]}"; do
     arm)
         rustup target add aarch64-unknown-linux-gnu
         .ci/install qemu-aarch64 qemu-user aarch64-linux-gnu-gcc "gcc-aarch64-linux-gnu libc6-dev-arm64-cross"
-        # Random tests take a tenth of their rays.
+        # Random tests take a twentieth of their rays.
         HALFDOME_EMULATED=yes run aarch64-unknown-linux-gnu "" rayon,obvhs
         ;;
     wasm)

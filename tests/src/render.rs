@@ -19,10 +19,30 @@ impl Watch for NeverStops {
 
 /// The picture of `scene`, which has a camera.
 pub fn render(scene: &Scene, settings: &Settings) -> Picture {
-    let world = World::new(scene.clone()).expect("the scene has a camera and few triangles");
-    let render = driver::render(&world, settings, &NeverStops);
+    picture(&world(scene), settings)
+}
+
+/// The pixels of so many renders, whose seeds count from that of `settings`. The world is made once, which may take longer than a small
+/// picture.
+pub fn seeds(scene: &Scene, settings: &Settings, count: u64) -> Vec<Vec<DVec3>> {
+    let world = world(scene);
+    let seeds = (0..count).map(|number| settings.seed + number);
+    seeds.map(|seed| pixels(&picture(&world, &Settings { seed, ..settings.clone() }))).collect()
+}
+
+fn world(scene: &Scene) -> World {
+    World::new(scene.clone()).expect("the scene has a camera and few triangles")
+}
+
+fn picture(world: &World, settings: &Settings) -> Picture {
+    let render = driver::render(world, settings, &NeverStops);
     assert!(render.finished);
     render.picture
+}
+
+/// The mean of all pixels.
+pub fn mean(pixels: &[DVec3]) -> DVec3 {
+    pixels.iter().sum::<DVec3>() / pixels.len() as f64
 }
 
 /// Red, green and blue of every pixel, row by row.
@@ -49,6 +69,11 @@ impl Estimate {
         let squares: DVec3 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
         let variance = squares / (count - 1.0);
         Self { mean, error: DVec3::from_array((variance / count).to_array().map(f64::sqrt)) }
+    }
+
+    /// The mean over renders of the means of their pixels.
+    pub fn of_means(renders: &[Vec<DVec3>]) -> Self {
+        Self::of(&renders.iter().map(|pixels| mean(pixels)).collect::<Vec<_>>())
     }
 
     /// The difference of two estimates in units of their common standard error, per channel. Differences of less than

@@ -134,11 +134,13 @@ fn a_sealed_box_is_dark_inside() {
     sealed.sky.radiance = Vec3::splat(1e4);
     let mut hemicube = quick();
     hemicube.cache.layout = GatherLayout::Hemicube;
+    let [mut brute, mut brute_hemicube] = [quick(), hemicube.clone()].map(|it| BakeOptions { brute: true, ..it });
+    (brute.cache.rays, brute_hemicube.cache.rays) = (128, 128);
     for options in [
         quick(),
-        BakeOptions { brute: true, ..hemicube.clone() },
+        brute_hemicube,
         hemicube,
-        BakeOptions { brute: true, sampling: Sampling::Bicubic, denoise: true, ..quick() },
+        BakeOptions { sampling: Sampling::Bicubic, denoise: true, ..brute },
         BakeOptions { directional: Directional::Hl2, ..quick() },
     ] {
         let bake = baked(&sealed, &options);

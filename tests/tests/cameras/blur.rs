@@ -24,7 +24,7 @@ fn seen(lens: Option<Lens>, depth: f32, projection: Projection) -> (f64, [f64; 2
         if projection == Projection::Perspective { SIDE as f64 / 2.0 / f64::from(depth) } else { SIDE as f64 / 2.0 };
     let optics = Optics { lens, projection, ..Optics::default() };
     let scene = glowing(&disc(Vec3::new(0.0, 0.0, -depth), RADIUS * depth, 256), optics);
-    let picture = pixels(&render(&scene, &settings(1024)));
+    let picture = pixels(&render(&scene, &settings(512)));
     let sum: f64 = picture.iter().map(|pixel| pixel.x).sum();
     let moment = |axis: fn(usize) -> usize| {
         let squares = picture.iter().enumerate().map(|(i, pixel)| {
@@ -81,7 +81,7 @@ fn blades_are_seen_as_they_stand() {
         let lens = Lens { blades: 3, rotation: 90.0, ..LENS };
         let optics = Optics { lens: Some(lens), ..Optics::default() };
         let scene = glowing(&disc(Vec3::new(0.0, 0.0, -depth), 0.02 * depth, 32), optics);
-        let picture = pixels(&render(&scene, &settings(1024)));
+        let picture = pixels(&render(&scene, &settings(512)));
         let lit = |upper: bool| {
             let rows = picture.chunks(SIDE as usize).enumerate();
             let half = rows.filter(|(row, _)| (*row < SIDE as usize / 2) == upper);

@@ -20,7 +20,7 @@ use halfdome::settings::{
     MonteCarloOptions, PathOptions, Settings, Stop, Survival,
 };
 use halfdome::world::World;
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, seeds};
 
 const ALL_LIGHTS: [LightSampling; 3] = [LightSampling::Naive, LightSampling::Direct, LightSampling::Mis];
 const ALL_SAMPLINGS: [HemisphereSampling; 4] = [
@@ -94,11 +94,7 @@ fn all_are(picture: &Picture, expected: Vec3, error: f64, what: &str) {
 
 /// The mean of the whole picture, and its error, by renders with different seeds.
 fn mean(scene: &Scene, settings: &Settings, renders: u64) -> Estimate {
-    let means = (0..renders).map(|seed| {
-        let pixels = pixels(&render(scene, &Settings { seed, ..settings.clone() }));
-        pixels.iter().sum::<DVec3>() / pixels.len() as f64
-    });
-    Estimate::of(&means.collect::<Vec<_>>())
+    Estimate::of_means(&seeds(scene, settings, renders))
 }
 
 /// The mean of all pixels, and its error by their differences.

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use halfdome::material::Inputs;
 use halfdome::scene::{CameraPose, Material, Scene};
 use halfdome::settings::{Integrator, PathOptions, Settings};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, seeds};
 
 const SIZE: u32 = 16;
 
@@ -46,7 +46,7 @@ fn settings(guide: Option<u32>, seed: u64) -> Settings {
 
 /// Of each quarter of the picture its mean, and of all pixels the sum of variances.
 fn statistics(scene: &Scene, guide: Option<u32>) -> (Vec<Estimate>, f64) {
-    let renders: Vec<_> = (0..8).map(|seed| pixels(&render(scene, &settings(guide, seed)))).collect();
+    let renders = seeds(scene, &settings(guide, 0), 8);
     let side = SIZE as usize;
     let quarter = |pixels: &[DVec3], number: usize| {
         let is_there = |i: usize| (i % side / (side / 2)) + 2 * (i / side / (side / 2)) == number;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DVec3, Vec3};
 use halfdome::scene::{CameraPose, Motion, Scene};
 use halfdome::settings::{Integrator, Settings};
-use halfdome_tests::render::{material, mesh, pixels, quad, render};
+use halfdome_tests::render::{material, mesh, quad, seeds};
 
 use crate::{EMISSION, SIZE, check, expected, form_factor, plane, reflected, settings};
 
@@ -40,13 +40,13 @@ fn samples_look_at_the_part_of_a_strip_that_is_close() {
     // Light samples alone are noisier.
     for (name, most) in [("path", 0.01), ("direct", 0.03)] {
         let integrator = Integrator::named(name).unwrap();
-        let error = |seed: u64| {
-            let settings = Settings { seed, spp: 16, integrator: integrator.clone(), ..settings() };
-            let squares = pixels(&render(&scene, &settings)).into_iter().zip(&expected);
+        let error = |pixels: &Vec<DVec3>| {
+            let squares = pixels.iter().zip(&expected);
             squares.map(|(pixel, expected)| (pixel.y / expected.y - 1.0).powi(2)).sum::<f64>()
                 / f64::from(SIZE.0 * SIZE.1)
         };
-        let error = (0..16).map(error).sum::<f64>() / 16.0;
+        let renders = seeds(&scene, &Settings { spp: 16, integrator, ..settings() }, 16);
+        let error = renders.iter().map(error).sum::<f64>() / 16.0;
         assert!(error < most, "{error} by {name}");
     }
 }

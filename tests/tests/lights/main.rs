@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture, SpotEdge};
 use halfdome::settings::{Integrator, Settings};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render, view};
+use halfdome_tests::render::{self, Estimate, material, mean, mesh, pixels, quad, render, seeds, view};
 
 const REFLECTANCE: Vec3 = Vec3::new(0.25, 0.5, 0.9);
 const SIZE: (u32, u32) = (8, 6);
@@ -47,11 +47,8 @@ fn settings() -> Settings {
 
 /// The means of pictures of so many seeds.
 fn means(scene: &Scene, integrator: &Integrator, seeds: u64) -> Vec<DVec3> {
-    let run = |seed| {
-        let pixels = pixels(&render(scene, &Settings { seed, integrator: integrator.clone(), ..settings() }));
-        pixels.iter().sum::<DVec3>() / pixels.len() as f64
-    };
-    (0..seeds).map(run).collect()
+    let renders = render::seeds(scene, &Settings { integrator: integrator.clone(), ..settings() }, seeds);
+    renders.iter().map(|pixels| mean(pixels)).collect()
 }
 
 /// The means over pixels of `radiance` at the height `y`, where the camera sees it.
@@ -78,7 +75,7 @@ fn check(scene: &Scene, expected: &[DVec3], closeness: f64) {
 }
 
 fn check_settings(scene: &Scene, settings: &Settings, expected: &[DVec3], closeness: f64) {
-    let renders: Vec<_> = (0..48).map(|seed| pixels(&render(scene, &Settings { seed, ..settings.clone() }))).collect();
+    let renders = seeds(scene, settings, 48);
     for (i, &expected) in expected.iter().enumerate() {
         let values: Vec<DVec3> = renders.iter().map(|pixels| pixels[i]).collect();
         let estimate = Estimate::of(&values);

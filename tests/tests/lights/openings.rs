@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 use halfdome::material::Inputs;
 use halfdome::scene::{CameraPose, Material, Scene, Sky, SkyPicture};
 use halfdome::settings::{Integrator, LightSampling, PathOptions, Settings, Stop};
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, material, mesh, quad, seeds};
 
 use crate::secondary::{hollow, picture};
 use crate::{SIZE, check_settings, expected, form_factor, plane, reflected, settings};
@@ -71,8 +71,7 @@ fn looking_through_the_window_makes_less_noise() {
     for sky in skies() {
         scene.sky = sky;
         let noise = |lights| {
-            let runs: Vec<_> =
-                (0..16).map(|seed| pixels(&render(&scene, &Settings { seed, spp: 16, ..path(lights) }))).collect();
+            let runs = seeds(&scene, &Settings { spp: 16, ..path(lights) }, 16);
             (0..(SIZE.0 * SIZE.1) as usize)
                 .map(|i| Estimate::of(&runs.iter().map(|run| run[i]).collect::<Vec<_>>()).error.y.powi(2))
                 .sum::<f64>()
@@ -135,22 +134,9 @@ fn looking_through_the_window_changes_nothing_in_a_furnished_room() {
 fn looking_through_the_window_beside_guided_bounces() {
     let scene = furnished();
     let mean = |guide: Option<u32>| {
-        let runs: Vec<DVec3> = (0..12)
-            .map(|seed| {
-                let options = PathOptions { guide, max_depth: 6, ..PathOptions::default() };
-                let settings = Settings {
-                    width: 24,
-                    height: 24,
-                    spp: 32,
-                    seed,
-                    integrator: Integrator::Path(options),
-                    ..settings()
-                };
-                let pixels = pixels(&render(&scene, &settings));
-                pixels.iter().sum::<DVec3>() / pixels.len() as f64
-            })
-            .collect();
-        Estimate::of(&runs)
+        let integrator = Integrator::Path(PathOptions { guide, max_depth: 6, ..PathOptions::default() });
+        let settings = Settings { width: 24, height: 24, spp: 32, integrator, ..settings() };
+        Estimate::of_means(&seeds(&scene, &settings, 12))
     };
     let (guided, plain) = (mean(Some(4096)), mean(None));
     let z = guided.z(&plain, 0.0);

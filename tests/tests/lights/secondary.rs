@@ -10,7 +10,7 @@ use halfdome::probes::{self, Options};
 use halfdome::scene::{CameraPose, Material, PunctualLight, Scene};
 use halfdome::settings::{CachedOptions, GatherLayout, Integrator, LightSampling, PathOptions, Settings, Stop};
 use halfdome::world::{LightQuery, World};
-use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, NeverStops, material, mesh, pixels, quad, render, seeds};
 
 const SIZE: u32 = 24;
 const MIDDLE: Vec3 = Vec3::new(2.0, 1.2, 2.0);
@@ -70,14 +70,9 @@ fn room(bulb: &Bulb, shade: Material) -> Scene {
 /// mean.
 pub(crate) fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u32) -> (Estimate, f64) {
     let options = PathOptions { lights, max_depth: 6, stop: *stop, ..PathOptions::default() };
-    let runs: Vec<Vec<DVec3>> = (0..16)
-        .map(|seed| {
-            let integrator = Integrator::Path(options.clone());
-            let settings = Settings { width: SIZE, height: SIZE, spp, seed, integrator, ..Settings::default() };
-            pixels(&render(scene, &settings))
-        })
-        .collect();
-    let means: Vec<DVec3> = runs.iter().map(|run| run.iter().sum::<DVec3>() / run.len() as f64).collect();
+    let integrator = Integrator::Path(options);
+    let settings = Settings { width: SIZE, height: SIZE, spp, integrator, ..Settings::default() };
+    let runs = seeds(scene, &settings, 16);
     let count = runs[0].len();
     let variance = |i: usize| {
         let estimate = Estimate::of(&runs.iter().map(|run| run[i]).collect::<Vec<_>>());
@@ -85,7 +80,7 @@ pub(crate) fn picture(scene: &Scene, lights: LightSampling, stop: &Stop, spp: u3
     };
     let (variances, values): (Vec<f64>, Vec<f64>) = (0..count).map(variance).unzip();
     let mean = values.iter().sum::<f64>() / count as f64;
-    (Estimate::of(&means), variances.iter().sum::<f64>() / count as f64 / (mean * mean))
+    (Estimate::of_means(&runs), variances.iter().sum::<f64>() / count as f64 / (mean * mean))
 }
 
 /// `direct` samples lights and aims at nothing.

@@ -3,7 +3,7 @@
 use glam::{Affine2, Vec2, Vec3};
 use halfdome::scene::{Material, Mesh, Scene, Texture, TextureFilter, TextureMap, Wrap};
 use halfdome::settings::Settings;
-use halfdome_tests::render::{Estimate, material, mesh, pixels, quad, render};
+use halfdome_tests::render::{Estimate, material, mesh, quad, seeds};
 
 use crate::panes_everywhere::integrators;
 use crate::{means, plane, settings};
@@ -83,8 +83,7 @@ fn lit_parts_of_textures_light_as_squares_do() {
 fn light_samples_go_to_the_lit_parts() {
     let [(_, direct), ..] = integrators();
     let scene = textured(Wrap::Repeat);
-    let settings = |seed| Settings { seed, spp: 1, integrator: direct.clone(), ..settings() };
-    let seeds: Vec<_> = (0..512).map(|seed| pixels(&render(&scene, &settings(seed)))).collect();
+    let seeds = seeds(&scene, &Settings { spp: 1, integrator: direct, ..settings() }, 512);
     let variance = |pixel: usize| {
         let values = || seeds.iter().map(|pixels| pixels[pixel].y);
         let mean = values().sum::<f64>() / seeds.len() as f64;

@@ -273,7 +273,7 @@ fn threads_do_not_change_the_tree() {
     let commits = (one.commit_on(&Serial).unwrap(), two.commit_on(&Threads).unwrap());
     assert!(commits.0 == commits.1 && !commits.0.is_rebuilt);
     assert!(bits(&one) == bits(&two) && bits(&one).len() > 64 * 2100);
-    let rays = rays(&mut random, &one.view(), 20);
+    let rays = rays(&mut random, &one.view(), fewer(20));
     check(&one.view(), &rays);
 }
 

@@ -68,7 +68,7 @@ fn a_distorted_item_is_not_met_by_the_rays_of_others() {
         })
         .collect();
     let (expected, _) = met(Some(Item::new(mesh.view())), &rays);
-    assert!(expected > fewer(100), "{expected}");
+    assert!(expected >= fewer(100), "{expected}");
     for stretch in STRETCHES {
         let item = Item::new(mesh.view()).placed(&Affine3A::from_scale(stretch)).unwrap();
         let bounds = item.aabb(0, 0, 1);
@@ -112,10 +112,10 @@ fn distorted_items_in_a_crowd_lose_no_hits() {
             let crowd = crowd[..others].iter().map(|place| Item::new(mesh.view()).placed(place).unwrap());
             let still = places.iter().map(|place| Item::new(mesh.view()).placed(place).unwrap());
             let scene = scene(still.chain(crowd.clone()).collect());
-            let rays = rays_at_rims(&mut random, &triangles, &places, fewer(1200));
+            let rays = rays_at_rims(&mut random, &triangles, &places, fewer(600));
             let hits = check(&scene.view(), &rays);
             // Most rays from far away miss what they are aimed at.
-            assert!(hits > fewer(10), "{stretch}, {count} distorted: {hits}");
+            assert!(hits > fewer(5), "{stretch}, {count} distorted: {hits}");
             let moving = keys.iter().map(|keys| Item::new(mesh.view()).moving(keys).unwrap());
             let moving = self::scene(moving.chain(crowd).collect());
             check(&moving.view(), &rays);
