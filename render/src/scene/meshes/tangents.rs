@@ -5,6 +5,7 @@
 
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 use glam::{DMat3, Mat3, Vec3, Vec4};
+use rayon::prelude::*;
 
 use crate::scene::{Mesh, Scene};
 
@@ -12,12 +13,12 @@ impl Scene {
     /// Gives tangents to meshes that need them for their material and have none. What is left without: meshes without
     /// texture coordinates.
     pub(crate) fn complete_tangents(&mut self) {
-        for mesh in &mut self.meshes {
+        self.meshes.par_iter_mut().with_max_len(1).for_each(|mesh| {
             let set = self.materials[mesh.material].tangent_set();
             if let Some(set) = set.filter(|&set| mesh.tangents.is_empty() && mesh.texcoord_set(set).is_some()) {
                 mesh.tangents = tangents(mesh, set);
             }
-        }
+        });
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! ```toml
 //! [[light]]
-//! type = "spot"                  # point, spot, directional, sphere, disc, rectangle
+//! type = "spot"                  # point, spot, directional (or sun), sphere, disc, rectangle
 //! name = "desk"                  # for messages and light path expressions, and of a lamp's mesh and material
 //! group = "key"                  # its light group; by default its name
 //! position = [0, 2.5, 0]

@@ -24,10 +24,12 @@ pub(super) enum Kind {
     Rectangle,
 }
 
-const KINDS: [(&str, Kind); 6] = [
+/// A kind may have two names, of which messages use the first.
+const KINDS: [(&str, Kind); 7] = [
     ("point", Kind::Point),
     ("spot", Kind::Spot),
     ("directional", Kind::Directional),
+    ("sun", Kind::Directional),
     ("sphere", Kind::Sphere),
     ("disc", Kind::Disc),
     ("rectangle", Kind::Rectangle),

@@ -45,7 +45,7 @@ fn points_and_suns_have_what_they_are_given() {
         one("type = \"directional\"\ndirection = [0, 0, -3]\nirradiance = [1, 2, 3]"),
         PunctualLight::Directional { direction: Vec3::NEG_Z, irradiance: Vec3::new(1.0, 2.0, 3.0), half_angle: 0.0 }
     );
-    let sun = one("type = \"directional\"\ndirection = [0, 0, -1]\nirradiance = 1\nangle = 60");
+    let sun = one("type = \"sun\"\ndirection = [0, 0, -1]\nirradiance = 1\nangle = 60");
     let PunctualLight::Directional { half_angle, .. } = sun else { panic!() };
     assert!((half_angle - FRAC_PI_6).abs() < 1e-6);
 }
@@ -133,7 +133,7 @@ fn options_of_the_models_lights_leave_these_as_they_are() {
 
 #[test]
 fn what_is_wrong_is_told_with_its_line() {
-    const KINDS: &str = "one of point, spot, directional, sphere, disc, rectangle";
+    const KINDS: &str = "one of point, spot, directional, sun, sphere, disc, rectangle";
     let check = |text: &str, line: usize, problem: &str, remedy: &str| {
         assert_eq!(told(text), (line, problem.to_owned(), remedy.to_owned()), "{text}");
     };
