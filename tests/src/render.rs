@@ -22,8 +22,8 @@ pub fn render(scene: &Scene, settings: &Settings) -> Picture {
     picture(&world(scene), settings)
 }
 
-/// The pixels of so many renders, whose seeds count from that of `settings`. The world is made once, which may take longer than a small
-/// picture.
+/// The pixels of so many renders, whose seeds count from that of `settings`. The world is made once, which may take
+/// longer than a small picture.
 pub fn seeds(scene: &Scene, settings: &Settings, count: u64) -> Vec<Vec<DVec3>> {
     let world = world(scene);
     let seeds = (0..count).map(|number| settings.seed + number);
