@@ -18,7 +18,7 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 use halfdome::scene::{CameraPose, LightOverrides, Overrides, PunctualLight, Scene, Sky, SkyPicture, SpotEdge};
 use halfdome::settings::{Integrator, Settings};
-use halfdome_tests::render::{self, Estimate, material, mean, mesh, pixels, quad, render, seeds, view};
+use halfdome_tests::render::{Estimate, material, mean, mesh, pixels, quad, render, seeds, view};
 
 const REFLECTANCE: Vec3 = Vec3::new(0.25, 0.5, 0.9);
 const SIZE: (u32, u32) = (8, 6);
@@ -46,8 +46,8 @@ fn settings() -> Settings {
 }
 
 /// The means of pictures of so many seeds.
-fn means(scene: &Scene, integrator: &Integrator, seeds: u64) -> Vec<DVec3> {
-    let renders = render::seeds(scene, &Settings { integrator: integrator.clone(), ..settings() }, seeds);
+fn means(scene: &Scene, integrator: &Integrator, count: u64) -> Vec<DVec3> {
+    let renders = seeds(scene, &Settings { integrator: integrator.clone(), ..settings() }, count);
     renders.iter().map(|pixels| mean(pixels)).collect()
 }
 
