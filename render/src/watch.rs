@@ -1,5 +1,7 @@
 //! Watchers of long work: they receive progress and early pictures, and may stop it.
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use crate::film::{Film, Picture};
 
 /// The greatest side of the squares of a preview, in pixels.
@@ -54,6 +56,55 @@ pub trait Watch: Sync {
 
     /// Takes the film so far. Called from the rendering thread.
     fn film(&self, _film: &Film) {}
+}
+
+/// Stops work that traces more rays than it may, besides where another watcher stops it.
+///
+/// How far such work comes depends on threads, but not whether it is stopped.
+pub(crate) struct RayLimit<'a> {
+    watch: &'a dyn Watch,
+    most: u64,
+    traced: AtomicU64,
+}
+
+impl<'a> RayLimit<'a> {
+    /// Stops after `most` rays.
+    pub(crate) fn new(watch: &'a dyn Watch, most: u64) -> Self {
+        Self { watch, most, traced: AtomicU64::new(0) }
+    }
+
+    /// The watcher without the limit.
+    pub(crate) fn watch(&self) -> &'a dyn Watch {
+        self.watch
+    }
+
+    /// Whether more rays have been traced. Once all work is done, this does not depend on threads.
+    pub(crate) fn is_exceeded(&self) -> bool {
+        self.traced.load(Ordering::Relaxed) > self.most
+    }
+}
+
+impl Watch for RayLimit<'_> {
+    fn advance(&self, samples: u64, rays: u64) {
+        self.traced.fetch_add(rays, Ordering::Relaxed);
+        self.watch.advance(samples, rays);
+    }
+
+    fn stop(&self) -> bool {
+        self.is_exceeded() || self.watch.stop()
+    }
+
+    fn gathered(&self, records: u64) {
+        self.watch.gathered(records);
+    }
+
+    fn covered(&self, points: u64) {
+        self.watch.covered(points);
+    }
+
+    fn filled(&self) {
+        self.watch.filled();
+    }
 }
 
 /// Watches nothing.

@@ -20,7 +20,7 @@ mod warnings;
 
 use glam::{Vec2, Vec3};
 
-use crate::cache::{Record, missed_accuracy};
+use crate::cache::{MORE_RECORDS, Record, missed_accuracy};
 use crate::scene::Scene;
 use crate::settings::{Invalid, Shard};
 use crate::watch::Watch;
@@ -162,7 +162,7 @@ pub fn bake(
     let mixed: Vec<usize> = seams.mixed_meshes.into_iter().collect();
     let mut warnings = warnings(world, options, &maps, &statistics, &mixed);
     let asked = options.cache.accuracy.zip(light.error);
-    warnings.extend(asked.and_then(|(asked, estimated)| missed_accuracy(asked, estimated)));
+    warnings.extend(asked.and_then(|(asked, estimated)| missed_accuracy(asked, estimated, MORE_RECORDS)));
     Some(Bake { atlas, maps, record_places, statistics, warnings, accuracy: light.error })
 }
 

@@ -17,14 +17,20 @@ impl ErrorEstimate {
     }
 }
 
+/// What makes a cache more accurate than [`missed_accuracy`] says ...
+pub(crate) const MORE_RECORDS: &str =
+    "--cache-error and --record-rays in place of --accuracy give more and smaller records";
+/// ... and paths at each point.
+pub(crate) const MORE_PATHS: &str = "--brute --spp N in place of --accuracy traces more paths";
+
 /// The warning where the estimate exceeds the requested error; both are relative to the mean. An error that rounds to
 /// the same number counts as reached.
-pub(crate) fn missed_accuracy(asked: f32, estimated: f32) -> Option<String> {
+pub(crate) fn missed_accuracy(asked: f32, estimated: f32, remedy: &str) -> Option<String> {
     let hundredths = |part: f32| (1e4 * part).round();
     (hundredths(estimated) > hundredths(asked)).then(|| {
         format!(
             "the requested accuracy is not reached: the estimated error is {:.2}% of the mean light, and {}% was \
-             requested; --cache-error and --record-rays in place of --accuracy give more and smaller records",
+             requested; {remedy}",
             100.0 * estimated,
             hundredths(asked) / 100.0
         )

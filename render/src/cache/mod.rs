@@ -39,7 +39,7 @@ use weight::Weighting;
 
 pub(crate) use clamp::{Bounds, bound};
 pub use estimate::ErrorEstimate;
-pub(crate) use estimate::missed_accuracy;
+pub(crate) use estimate::{MORE_PATHS, MORE_RECORDS, missed_accuracy};
 pub(crate) use fill::{Pass, Place};
 pub use interpolate::Interpolated;
 pub(crate) use interpolate::Reading;

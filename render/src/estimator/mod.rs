@@ -35,7 +35,7 @@ pub(crate) use light_warp::light_warp;
 pub use occluders::SECTORS;
 pub(crate) use occluders::sector;
 pub(crate) use reflected::sample_reflected;
-pub(crate) use rounds::{RoundsMean, mean_in_rounds};
+pub(crate) use rounds::{RoundsMean, mean_in_rounds, mean_of_halves};
 pub(crate) use secondary_lights::{AimedRay, aim, aimed_density, aimed_weight, lit_at};
 pub(crate) use seen_lights::{SeenLight, seen_lights};
 pub(crate) use sky::{seen_sky, sky_probability};

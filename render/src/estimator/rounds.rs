@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 /// Sequences: more would know the variance better, and be stratified less.
-const SEQUENCES: u32 = 8;
+const SEQUENCES: usize = 8;
 /// Samples of a sequence in the first round ...
 const FIRST: u32 = 4;
 /// ... and the most.
@@ -35,20 +35,55 @@ pub(crate) fn mean_in_rounds(
     tolerance: impl Fn(DVec3) -> f64,
     mut sample: impl FnMut(u64, Range<u32>) -> DVec3,
 ) -> RoundsMean {
-    let mut sums = [DVec3::ZERO; SEQUENCES as usize];
-    let (mut done, mut count) = (0, FIRST);
+    let (mut sequences, mut count) = (Sequences::<SEQUENCES>::default(), FIRST);
     loop {
-        for (number, sum) in (1..).zip(&mut sums) {
-            *sum += sample(seed.wrapping_add(SALT.wrapping_mul(number)), done..count);
+        sequences.extend(seed, count, &mut sample);
+        let found = sequences.mean();
+        if found.variance <= tolerance(found.mean).powi(2) || count >= MOST {
+            return found;
         }
-        let means = sums.map(|sum| sum / f64::from(count));
-        let mean = means.iter().sum::<DVec3>() / f64::from(SEQUENCES);
+        count *= 2;
+    }
+}
+
+/// The mean of at least `samples` samples in two sequences, of which each has as many, and its standard error. Two are
+/// enough where the mean of many such variances is wanted, and are stratified best.
+pub(crate) fn mean_of_halves(seed: u64, samples: u32, mut sample: impl FnMut(u64, Range<u32>) -> DVec3) -> RoundsMean {
+    let mut halves = Sequences::<2>::default();
+    halves.extend(seed, samples.div_ceil(2).max(1), &mut sample);
+    halves.mean()
+}
+
+/// Sums of the samples of sequences.
+struct Sequences<const N: usize> {
+    sums: [DVec3; N],
+    /// Samples of each.
+    count: u32,
+}
+
+impl<const N: usize> Default for Sequences<N> {
+    fn default() -> Self {
+        Self { sums: [DVec3::ZERO; N], count: 0 }
+    }
+}
+
+impl<const N: usize> Sequences<N> {
+    /// Takes samples until there are `count` of each sequence.
+    fn extend(&mut self, seed: u64, count: u32, sample: &mut impl FnMut(u64, Range<u32>) -> DVec3) {
+        for (number, sum) in (1..).zip(&mut self.sums) {
+            *sum += sample(seed.wrapping_add(SALT.wrapping_mul(number)), self.count..count);
+        }
+        self.count = count;
+    }
+
+    /// The mean of all samples.
+    fn mean(&self) -> RoundsMean {
+        let number = N as f64;
+        let means = self.sums.map(|sum| sum / f64::from(self.count));
+        let mean = means.iter().sum::<DVec3>() / number;
         let squares = means.iter().map(|of_one| (*of_one - mean).length_squared()).sum::<f64>();
-        let variance = squares / (3.0 * f64::from(SEQUENCES * (SEQUENCES - 1)));
-        if variance <= tolerance(mean).powi(2) || count >= MOST {
-            return RoundsMean { mean, variance, samples: SEQUENCES * count };
-        }
-        (done, count) = (count, 2 * count);
+        let variance = squares / (3.0 * number * (number - 1.0));
+        RoundsMean { mean, variance, samples: N as u32 * self.count }
     }
 }
 
@@ -85,10 +120,10 @@ mod tests {
         // No noise, no second round; noise without an end has one.
         assert_eq!(
             mean_in_rounds(1, |_| 0.0, |_, numbers| DVec3::ONE * numbers.len() as f64).samples,
-            SEQUENCES * FIRST
+            SEQUENCES as u32 * FIRST
         );
         let endless =
             mean_in_rounds(1, |_| 1e-9, |seed, numbers| DVec3::ONE * (seed % 97) as f64 * numbers.len() as f64);
-        assert_eq!(endless.samples, SEQUENCES * MOST);
+        assert_eq!(endless.samples, SEQUENCES as u32 * MOST);
     }
 }

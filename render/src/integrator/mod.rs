@@ -35,8 +35,8 @@ use crate::world::{Hit, World};
 
 pub use cached::CacheUse;
 pub(crate) use cached::{
-    DirectGatherer, FillTarget, Follower, FrozenCache, GatherSource, HeldOut, IrradianceMap, MeanLight, RecordLog,
-    SAMPLED_SHARE, fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
+    DirectGatherer, FillTarget, Follower, FrozenCache, GatherSource, HeldOut, IrradianceMap, MANY_SITES, MeanLight,
+    RecordLog, SAMPLED_SHARE, fill_for_camera, fill_for_surfaces, fill_for_texels, lookup_point, max_depth,
 };
 pub(crate) use light_paths::{LightPaths, aovs, labels_hash};
 pub(crate) use unmatched_labels::unmatched_labels;

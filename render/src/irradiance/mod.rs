@@ -6,8 +6,7 @@
 //!
 //! Lit triangles are sampled as secondary lights, as in gathers of records.
 //!
-//! If the cache asks for an accuracy, direct light is sampled in rounds until its error is small enough, and the total
-//! error is estimated.
+//! If the cache asks for an accuracy, `to_accuracy` chooses between a cache and paths at each sensor.
 //!
 //! Area lights are sampled. A scattered ray counts their emission too where it begins a path, and near lights, as in
 //! lookups of the camera; both are weighted by the power heuristic (Veach 1997).
@@ -15,6 +14,7 @@
 mod part;
 mod points;
 mod sample;
+mod to_accuracy;
 
 use std::ops::Range;
 
@@ -22,9 +22,9 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use crate::cache::Cache;
-use crate::estimator::mean_in_rounds;
+use crate::estimator::{RoundsMean, mean_in_rounds, mean_of_halves};
 use crate::integrator::CacheUse;
-use crate::integrator::{FillTarget, FrozenCache, HeldOut, MeanLight, SAMPLED_SHARE, fill_for_surfaces, max_depth};
+use crate::integrator::{FillTarget, FrozenCache, fill_for_surfaces, max_depth};
 use crate::settings::Shard;
 use crate::watch::Watch;
 use crate::world::{Surface, World};
@@ -64,7 +64,8 @@ pub struct Irradiance {
     pub finished: bool,
     /// Rays traced.
     pub rays: u64,
-    /// The cache, with the records that were added for the sensors, and how it was used.
+    /// The cache, with the records that were added for the sensors, and how it was used; `None` without one, also where an
+    /// accuracy was requested that took fewer rays without one.
     pub cache: Option<(Cache, CacheUse)>,
     /// An estimate of the root mean square error, relative to the mean, if the cache's options ask for an accuracy.
     pub error: Option<f32>,
@@ -75,6 +76,8 @@ pub struct Irradiance {
 enum Effort {
     /// So many.
     Samples(u32),
+    /// So many in two independent halves, whose difference tells the noise.
+    Halves(u32),
     /// Until the standard error is this, in W/m².
     Noise(f64),
 }
@@ -86,8 +89,8 @@ enum Component {
     Direct,
     /// All but that, by paths of at most this many surfaces or as many as chance lets them have.
     Indirect(Option<u32>),
-    /// Both, by paths.
-    All,
+    /// Both, by such paths.
+    All(Option<u32>),
 }
 
 /// Samples that are traced together, about.
@@ -107,11 +110,10 @@ pub fn shard_by_paths(
     watch: &dyn Watch,
 ) -> Irradiance {
     let component = match request.part {
-        Part::Total => Component::All,
+        Part::Total => Component::All(None),
         Part::Indirect => Component::Indirect(None),
     };
-    let mut found =
-        Irradiance { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None, error: None };
+    let mut found = Irradiance::black(sensors);
     let effort = Effort::Samples(request.spp.max(1));
     found.add(world, sensors, &own(sensors, shard), (component, effort), request.seed, watch);
     found
@@ -133,27 +135,15 @@ pub fn shard_by_cache(
     request: &Request,
     watch: &dyn Watch,
 ) -> Irradiance {
-    let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
-    let (mut aim, mut effort, mut rays) = (FillTarget::Options, Effort::Samples(request.spp.max(1)), 0);
-    let held_out;
     if cache.options().accuracy.is_some() {
-        let light = if request.part == Part::Total { MeanLight::Total } else { MeanLight::Indirect };
-        let points = (surfaces.len(), |i: usize| surfaces[i]);
-        let Some(found) = HeldOut::new(world, cache.options(), points, light, request.seed, watch) else {
-            let values = vec![Vec3::ZERO; sensors.len()];
-            return Irradiance { values, finished: false, rays: 0, cache: None, error: None };
-        };
-        held_out = found;
-        rays = held_out.traced;
-        effort = Effort::Noise(SAMPLED_SHARE.sqrt() * held_out.allowed_error());
-        aim = FillTarget::Accuracy(&held_out);
+        return to_accuracy::shard(world, (sensors, shard), cache, request, watch);
     }
-    let (frozen, filled) = fill_for_surfaces(world, request.seed, cache, &surfaces, aim, watch);
-    let (mut found, variance) = look_up(world, (sensors, &own(sensors, shard)), &frozen, (request, effort), watch);
-    found.rays += rays + filled;
-    found.error = frozen.cache.estimate().map(|estimate| estimate.with(variance));
-    let usage = frozen.usage();
-    found.cache = Some((frozen.cache, usage));
+    let surfaces: Vec<Surface> = sensors.iter().map(|sensor| sensor.surface(world)).collect();
+    let (frozen, filled) = fill_for_surfaces(world, request.seed, cache, &surfaces, FillTarget::Options, watch);
+    let effort = Effort::Samples(request.spp.max(1));
+    let (mut found, _) = look_up(world, (sensors, &own(sensors, shard)), &frozen, (request, effort), watch);
+    found.rays += filled;
+    found.set_cache(frozen);
     found
 }
 
@@ -168,10 +158,9 @@ fn look_up(
 ) -> (Irradiance, f64) {
     let indirect: Vec<Option<Vec3>> =
         own.par_iter().map(|&i| frozen.irradiance(world, &sensors[i].surface(world))).collect();
-    let mut values = vec![Vec3::ZERO; sensors.len()];
-    own.iter().zip(&indirect).for_each(|(&i, indirect)| values[i] = indirect.unwrap_or_default());
+    let mut found = Irradiance::black(sensors);
+    own.iter().zip(&indirect).for_each(|(&i, indirect)| found.values[i] = indirect.unwrap_or_default());
     let lost: Vec<usize> = own.iter().zip(&indirect).filter(|(_, it)| it.is_none()).map(|(&i, _)| i).collect();
-    let mut found = Irradiance { values, finished: true, rays: 0, cache: None, error: None };
     let mut variance = 0.0;
     if request.part == Part::Total {
         variance += found.add(world, sensors, own, (Component::Direct, effort), request.seed, watch);
@@ -187,6 +176,17 @@ fn own(sensors: &[Sensor], shard: Shard) -> Vec<usize> {
 }
 
 impl Irradiance {
+    /// No light at these sensors yet.
+    fn black(sensors: &[Sensor]) -> Self {
+        Self { values: vec![Vec3::ZERO; sensors.len()], finished: true, rays: 0, cache: None, error: None }
+    }
+
+    /// Keeps the cache that was read.
+    fn set_cache(&mut self, frozen: FrozenCache) {
+        let usage = frozen.usage();
+        self.cache = Some((frozen.cache, usage));
+    }
+
     /// Adds the means of the samples of a component at the sensors of these numbers; gives the sum of their variances, as far
     /// as they are known.
     fn add(
@@ -198,6 +198,7 @@ impl Irradiance {
         seed: u64,
         watch: &dyn Watch,
     ) -> f64 {
+        let known = |found: RoundsMean| (found.mean, found.variance);
         let sample = |batch: &mut SensorScratch, &number: &usize| {
             let surface = sensors[number].surface(world);
             let (mut rays, mut stopped) = (0, false);
@@ -220,10 +221,8 @@ impl Irradiance {
             };
             let (mean, variance) = match effort {
                 Effort::Samples(count) => (sum(seed, 0..count) / f64::from(count), 0.0),
-                Effort::Noise(tolerance) => {
-                    let found = mean_in_rounds(seed, |_| tolerance, sum);
-                    (found.mean, found.variance)
-                }
+                Effort::Halves(count) => known(mean_of_halves(seed, count, sum)),
+                Effort::Noise(tolerance) => known(mean_in_rounds(seed, |_| tolerance, sum)),
             };
             ((!stopped).then_some((mean.as_vec3(), variance)), rays)
         };

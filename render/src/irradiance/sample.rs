@@ -55,7 +55,7 @@ impl SensorScratch {
             Component::Indirect(_) => None,
             Component::Direct => Some(world.lights.techniques_at(surface.position)),
             // The ray is there in any case.
-            Component::All => Some(LightSampling::Mis),
+            Component::All(_) => Some(LightSampling::Mis),
         };
         let mut rays = lights.map_or(0, |lights| self.sample_lights(world, surface, lights, sum));
         if component == Component::Direct && lights == Some(LightSampling::Direct) {
@@ -67,8 +67,9 @@ impl SensorScratch {
         }
         match component {
             Component::Direct => rays,
-            Component::Indirect(max_depth) => rays + self.follow(world, surface, max_depth, samples, sum),
-            Component::All => rays + self.follow(world, surface, None, samples, sum),
+            Component::Indirect(max_depth) | Component::All(max_depth) => {
+                rays + self.follow(world, surface, max_depth, samples, sum)
+            }
         }
     }
 

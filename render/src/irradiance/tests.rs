@@ -129,6 +129,11 @@ fn sensors_end_when_the_watcher_says_so() {
         let found = by_cache(&world, &sensors, cache.clone(), &Request { part, ..request }, &Impatience::new(0));
         assert_eq!((found.finished, found.rays), (false, 0), "{part:?}");
         assert_eq!(found.cache.unwrap().0.records(), []);
+        // With an accuracy among the first paths.
+        let options = CachedOptions { accuracy: Some(0.01), ..CachedOptions::default() };
+        let cache = Cache::new(options, world.surroundings_hash());
+        let found = by_cache(&world, &sensors, cache, &Request { part, ..request }, &Impatience::new(0));
+        assert!(!found.finished && found.cache.is_none() && found.error.is_none(), "{part:?}");
     }
 }
 

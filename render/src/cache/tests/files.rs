@@ -93,10 +93,10 @@ fn merging_does_not_depend_on_the_order_and_keeps_common_records_once() {
 
 #[test]
 fn an_accuracy_that_was_not_reached_is_told_with_both_numbers() {
-    let told = missed_accuracy(0.03, 0.0412).unwrap();
+    let told = missed_accuracy(0.03, 0.0412, MORE_RECORDS).unwrap();
     assert!(told.contains("4.12% of the mean light") && told.contains("3% was requested"), "{told}");
-    assert!(missed_accuracy(0.001, 0.0011).unwrap().contains("0.1% was requested"));
+    assert!(missed_accuracy(0.001, 0.0011, MORE_PATHS).unwrap().contains("0.1% was requested"));
     for reached in [0.0, 0.0299, 0.03, 0.030_04] {
-        assert_eq!(missed_accuracy(0.03, reached), None, "{reached}");
+        assert_eq!(missed_accuracy(0.03, reached, MORE_PATHS), None, "{reached}");
     }
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::per_second;
-use crate::cache::missed_accuracy;
+use crate::cache::{MORE_PATHS, MORE_RECORDS, missed_accuracy};
 use crate::cli::messages::{Style, print_line, print_text, print_warning};
 use crate::driver::CacheUse;
 
@@ -27,7 +27,7 @@ pub(crate) struct Outcome<'a> {
     pub(crate) cache: Option<CacheUse>,
     /// The error that was asked for and an estimate of it, relative.
     pub(crate) accuracy: Option<(f32, f32)>,
-    /// The result of interrupted work.
+    /// The result of interrupted work; else how the work was done, if that is not clear.
     pub(crate) note: &'a str,
     /// The file that was written.
     pub(crate) file: Option<&'a Path>,
@@ -48,7 +48,9 @@ impl Job {
     /// Says how it went.
     pub(crate) fn end(self, outcome: Outcome) {
         let seconds = self.start.elapsed();
-        if let Some(warning) = outcome.accuracy.and_then(|(asked, estimated)| missed_accuracy(asked, estimated)) {
+        let remedy = if outcome.cache.is_some() { MORE_RECORDS } else { MORE_PATHS };
+        let missed = |(asked, estimated)| missed_accuracy(asked, estimated, remedy);
+        if let Some(warning) = outcome.accuracy.and_then(missed) {
             print_warning(self.style, &warning);
         }
         if self.style == Style::Json {
@@ -62,7 +64,7 @@ impl Job {
 /// The estimated error beside the accuracy that was asked for.
 pub(crate) fn accuracy_text(asked: f32, estimated: f32) -> String {
     let [asked, estimated] = [asked, estimated].map(|part| 100.0 * part);
-    format!("error: {estimated:.2}% of the mean, estimated at held-out points; {asked}% was requested")
+    format!("error: {estimated:.2}% of the mean, estimated; {asked}% was requested")
 }
 
 impl Outcome<'_> {
@@ -80,10 +82,10 @@ impl Outcome<'_> {
         });
         if let Some((asked, estimated)) = self.accuracy {
             // As it was given: it was rounded to `f32` since.
-            let asked = (asked * 1e6).round() / 1e6;
+            let asked = (1e6 * f64::from(asked)).round() / 1e6;
             event["accuracy"] = json!({ "asked": asked, "estimated": estimated });
         }
-        if !self.finished {
+        if !self.note.is_empty() {
             event["message"] = self.note.into();
         }
         event
@@ -92,6 +94,9 @@ impl Outcome<'_> {
     fn text(&self, elapsed: f64) -> String {
         let state = if self.finished { "done".to_owned() } else { format!("interrupted; {}", self.note) };
         let mut text = format!("{state}, {elapsed:.2} s, {} rays", self.rays);
+        if self.finished && !self.note.is_empty() {
+            text += &format!("\n{}", self.note);
+        }
         if let Some(CacheUse { records, misses, negative }) = self.cache {
             text += &format!("\n{records} irradiance records; {misses} points had none, {negative} were negative");
         }
@@ -121,6 +126,12 @@ mod tests {
             "cache": { "records": 7, "misses": 2, "negative": 1 }, "files": ["e.txt"]
         });
         assert_eq!(done.event(0.5, 180.0), expected);
+        let noisy = Outcome { accuracy: Some((0.03, 0.0251)), cache: None, note: "by paths", ..done };
+        let text =
+            "done, 0.50 s, 90 rays\nby paths\nerror: 2.51% of the mean, estimated; 3% was requested\nwrote e.txt";
+        assert_eq!(noisy.text(0.5), text);
+        let event = noisy.event(0.5, 180.0);
+        assert_eq!((&event["accuracy"]["asked"], &event["message"]), (&json!(0.03), &json!("by paths")));
         let stopped = Outcome { finished: false, note: "nothing is written", cache: None, file: None, ..done };
         assert_eq!(stopped.text(0.5), "interrupted; nothing is written, 0.50 s, 90 rays");
         let event = stopped.event(0.5, 180.0);

@@ -136,21 +136,26 @@ impl<'w> HeldOut<'w> {
     }
 
     /// Rays with which records that are gathered from `source` have their part of the requested error as the root mean
-    /// square of their standard errors, and the rays that were traced to find that number.
+    /// square of their standard errors, and the rays that were traced to find that number; `None` if the watcher stops.
     pub(super) fn ray_budget(
         &self,
         world: &World,
         options: &CachedOptions,
         source: GatherSource,
         seed: u64,
-    ) -> (RayBudget, u64) {
+        watch: &dyn Watch,
+    ) -> Option<(RayBudget, u64)> {
         let gatherer = Gatherer::new(options.layout, FIRST_RAYS, false, seed ^ salts::HELD_OUT[0]);
         let points = self.gather_points();
         let gathers = points.par_chunks(CHUNK).map(|points| {
+            if watch.stop() {
+                return None;
+            }
             let (found, rays) = gatherer.gather(world, points, &mut Follower::new(world, source, GATHER_FIRST_SET));
-            (found.iter().map(|found| f64::from(found.gather.standard_error)).sum::<f64>(), rays)
+            watch.advance(0, rays);
+            Some((found.iter().map(|found| f64::from(found.gather.standard_error)).sum::<f64>(), rays))
         });
-        let gathers: Vec<(f64, u64)> = gathers.collect();
+        let gathers = gathers.collect::<Vec<_>>().into_iter().collect::<Option<Vec<(f64, u64)>>>()?;
         let (sum, traced) = gathers.iter().fold((0.0, 0), |(sum, all), (errors, rays)| (sum + errors, all + rays));
         let deviation = sum / points.len().max(1) as f64 * (gatherer.rays() as f64).sqrt();
         let allowed = (NOISE * self.allowed_error()).powi(2);
@@ -158,7 +163,7 @@ impl<'w> HeldOut<'w> {
         let over_deviation = if deviation > 0.0 { deviation / allowed } else { 0.0 };
         let [fewest, most] = RAYS_OF_RECORDS;
         let first = (FIRST_PART * over_deviation * deviation).clamp(fewest, most).log2().round().exp2() as u32;
-        (RayBudget { first, over_deviation: over_deviation as f32 }, traced)
+        Some((RayBudget { first, over_deviation: over_deviation as f32 }, traced))
     }
 
     /// The points as gathers take them.

@@ -35,7 +35,7 @@ pub(crate) use irradiance_map::IrradianceMap;
 pub(crate) use level::{DirectGatherer, Follower, GatherSource, RecordLog};
 use level::{Level, NoLog};
 pub(crate) use lookup::CacheMisses;
-pub(crate) use prefill::{fill_for_camera, fill_for_surfaces, fill_for_texels};
+pub(crate) use prefill::{MANY_SITES, fill_for_camera, fill_for_surfaces, fill_for_texels};
 pub(crate) use to_accuracy::{FillTarget, SAMPLED_SHARE};
 
 /// Surfaces after which roulette starts on indirect paths. A gather has many paths, so a few long ones are enough.

@@ -32,7 +32,7 @@ const SENSOR_UNITS: f32 = 10.0;
 /// ... and for deeper caches, over which the gathers above take means.
 const DEEPER_UNITS: f32 = 40.0;
 /// From this many sites without a record on gathers use another cache instead of paths ...
-const MANY: usize = 1024;
+pub(crate) const MANY_SITES: usize = 1024;
 /// ... whose records have this many times fewer rays, as a gather averages over many of them, ...
 const FEWER: u32 = 5;
 /// ... and reach this many times as far, ...
@@ -145,7 +145,7 @@ impl Prefill<'_> {
             }
         } else if source.is_none() {
             let is_open = |site: &&RecordSite| !cache.covers(&site.place.point);
-            if sites.par_iter().filter(is_open).count() >= MANY {
+            if sites.par_iter().filter(is_open).count() >= MANY_SITES {
                 let options = self::below(&options);
                 let sites = deeper_sites(world, sites, seed, 1, SENSOR_UNITS * options.error);
                 let mut cache = Cache::new(options, world.surroundings_hash()).rough();
@@ -157,7 +157,8 @@ impl Prefill<'_> {
         let source = below.as_ref().map_or(paths, GatherSource::Cache);
         let (cache, rays) = match self.aim {
             FillTarget::Accuracy(held_out) => {
-                let (budget, rays) = held_out.ray_budget(world, &options, source, seed);
+                let budget = held_out.ray_budget(world, &options, source, seed, self.watch);
+                let Some((budget, rays)) = budget else { return (FrozenCache::new(cache), traced) };
                 traced += rays;
                 to_accuracy::fill(cache, held_out, self.log, self.watch, |options, cache, log| {
                     self.level(Some(budget), options, source, log).fill(cache, sites, passes)

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use super::cache::{cached_options, read_cache};
-use crate::cache::missed_accuracy;
+use crate::cache::{MORE_RECORDS, missed_accuracy};
 use crate::cli::args::RenderArguments;
 use crate::cli::checkpoint::Checkpoint;
 use crate::cli::error::{CliError, EXIT_DONE, EXIT_INTERRUPTED, EXIT_LIMIT, invalid};
@@ -198,7 +198,7 @@ fn render(arguments: &RenderArguments, told: &Told) -> Result<u8, CliError> {
         report.warn(style, warning.to_owned());
     }
     if let (Integrator::Cached(options), Some(estimated)) = (&settings.integrator, result.cache_error)
-        && let Some(warning) = options.accuracy.and_then(|asked| missed_accuracy(asked, estimated))
+        && let Some(warning) = options.accuracy.and_then(|asked| missed_accuracy(asked, estimated, MORE_RECORDS))
     {
         report.warn(style, warning);
     }
