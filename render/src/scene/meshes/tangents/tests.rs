@@ -66,7 +66,7 @@ fn patchwork(seed: u64) -> Mesh {
     for i in 0..SIDE * SIDE {
         let (x, y) = ((i % SIDE) as f32, (i / SIDE) as f32);
         let bent = random(i, 0);
-        mesh.positions.push(Vec3::new(x, y, bent.x.floor() + 0.3 * bent.y));
+        mesh.positions.push(Vec3::new(x - 1.0, y - 30.0, 0.3 * bent.y - 1.0));
         mesh.normals.push(Vec3::new(0.2 * bent.x, 0.2 * bent.y, 1.0).normalize());
         mesh.texcoords.push(Vec2::new((x - 11.5).abs() + 0.2 * bent.y, y));
     }
@@ -88,7 +88,9 @@ fn patchwork(seed: u64) -> Mesh {
             // ... and a corner with a vertex of its own, of the same normal or of another.
             4 | 5 => {
                 let copy = mesh.positions.len() as u32;
-                mesh.positions.push(mesh.positions[b as usize]);
+                // A zero may have either sign.
+                let [x, y, z] = mesh.positions[b as usize].to_array();
+                mesh.positions.push(Vec3::new(if x == 0.0 { -0.0 } else { x }, y, z));
                 mesh.texcoords.push(mesh.texcoords[b as usize]);
                 mesh.normals.push(if chance.y < 0.5 { mesh.normals[b as usize] } else { Vec3::Z });
                 let last = mesh.triangles.len() - 1;
@@ -121,10 +123,10 @@ fn parts_give_what_the_whole_mesh_gives() {
     }
 }
 
-/// A disc of as many triangles as would overflow the stack of a thread.
+/// A disc of as many triangles as would overflow the stack of the thread.
 #[test]
 fn many_triangles_may_meet() {
-    let count = 12_000;
+    let count = 5000;
     let rim = (0..count).map(|i| {
         let (y, x) = (std::f32::consts::TAU * i as f32 / count as f32).sin_cos();
         Vec3::new(x, y, 0.0)
@@ -136,6 +138,7 @@ fn many_triangles_may_meet() {
         positions,
         ..Mesh::default()
     };
-    let found = tangents(&disc, 0);
+    let small = std::thread::Builder::new().stack_size(1 << 19).spawn(move || tangents(&disc, 0));
+    let found = small.unwrap().join().unwrap();
     assert!(found.iter().flatten().all(|tangent| (*tangent - Vec4::new(1.0, 0.0, 0.0, 1.0)).length() < 1e-3));
 }
