@@ -52,8 +52,7 @@ fn choose(
         return by_cache(world, (sensors, &own), cache, request, &limit).unwrap_or_else(stopped);
     }
     let Some(paths) = Paths::new(world, sensors, cache.options(), request, watch) else { return stopped() };
-    let mut traced = paths.first.rays;
-    let most = paths.rays();
+    let (mut traced, most) = (paths.first.rays, paths.rays);
     // Records of fewer sensors would be gathered by paths too.
     if sensors.len() >= MANY_SITES && most > least {
         let limit = RayLimit::new(watch, most);
@@ -101,8 +100,10 @@ struct Paths {
     done: u32,
     /// ... with this root mean square error, in W/m².
     error: f64,
-    /// As many at each as the accuracy takes.
+    /// As many at each as the accuracy takes, ...
     count: u32,
+    /// ... which trace about so many rays at all sensors.
+    rays: u64,
     /// The mean over all sensors and channels, in W/m².
     light: f64,
 }
@@ -135,17 +136,13 @@ impl Paths {
             if !first.finished {
                 return None;
             }
+            let rays = (first.rays as f64 * f64::from(count) / f64::from(done)) as u64;
             first.rays += traced;
             if count < MORE_PATHS * MORE_PATHS * done || done > FIRST_PATHS {
-                return Some(Self { component, first, done, error: variance.sqrt(), count, light });
+                return Some(Self { component, first, done, error: variance.sqrt(), count, rays, light });
             }
             (traced, done) = (first.rays, MORE_PATHS * done);
         }
-    }
-
-    /// About how many rays as many as it takes trace at all sensors.
-    fn rays(&self) -> u64 {
-        (self.first.rays as f64 * f64::from(self.count) / f64::from(self.done)) as u64
     }
 
     /// The irradiance of as many as it takes at some of the sensors, after `traced` rays.
@@ -157,7 +154,7 @@ impl Paths {
         traced: u64,
         watch: &dyn Watch,
     ) -> Irradiance {
-        let Self { component, first, done, count, light, mut error } = self;
+        let Self { component, first, done, count, light, mut error, .. } = self;
         let mut found = first;
         if count > done {
             found = Irradiance::black(sensors);
